@@ -1,4 +1,5 @@
-//! The documents hang together: every link and anchor leads somewhere, and every page of the book is in its table of contents.
+//! The documents hang together: every link and anchor leads somewhere, and every page of the book is in its
+//! table of contents.
 
 #![allow(missing_docs)]
 

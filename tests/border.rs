@@ -1,5 +1,5 @@
-//! What comes into the program and leaves it: windows that overlap, sensors of synthetic records, units, folders with results of another command,
-//! names that hold ends of lines, exit codes of what is no result.
+//! What comes into the program and leaves it: windows that overlap, sensors of synthetic records, units,
+//! folders with results of another command, names that hold ends of lines, exit codes of what is no result.
 
 #![allow(missing_docs)]
 

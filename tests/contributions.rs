@@ -97,7 +97,8 @@ fn coefficients_stay_within_their_bounds_and_say_so() {
             "learn.cutoff=0",
         ],
     ];
-    // Friction is 0.2 N against the motion: with the wrong sign only zero is left, with too small a bound that bound.
+    // Friction is 0.2 N against the motion: with the wrong sign only zero is left, with too small a bound
+    // that bound.
     let cases =
         [("sgn(y)/m", "Positive", 0.0), ("-sgn(y)/m", "(0.05, 0.1)", 0.1), ("-sgn(y)/m", "Positive", 0.2)];
     for (k, way) in ways.iter().enumerate() {
@@ -150,7 +151,8 @@ fn the_verdict_says_which_runs_it_rests_on() {
     );
 }
 
-/// A body of 2 kg on a spring, which a slow drive carries through stick and slip; friction is Stribeck's: Fs 1.5 N, Fc 1 N, vs 0.1 m/s.
+/// A body of 2 kg on a spring, which a slow drive carries through stick and slip; friction is Stribeck's: Fs
+/// 1.5 N, Fc 1 N, vs 0.1 m/s.
 fn stribeck(unknown: &str, more: &str) -> String {
     format!(
         "(constants: {{ \"m\": (2.0, \"kg\"), \"k\": (8.0, \"N/m\"), \"F\": (4.0, \"N\"), \"W\": (0.8, \"rad/s\") }},\n\
@@ -192,8 +194,8 @@ fn a_law_of_the_catalogue_is_fitted_within_its_intervals() {
     }
 }
 
-/// Friction that grows with the speed fits the form of Stribeck's, with a static level below the kinetic one: that
-/// is no Stribeck friction, in `run` as in `gap`.
+/// Friction that grows with the speed fits the form of Stribeck's, with a static level below the kinetic one:
+/// that is no Stribeck friction, in `run` as in `gap`.
 #[test]
 fn a_law_that_run_fits_fulfils_what_its_file_asks_for() {
     let spec = |truth: &str| {

@@ -1,4 +1,5 @@
-//! The same spec, seed and version give the same bits, with any number of threads, again and again; only the seconds differ.
+//! The same spec, seed and version give the same bits, with any number of threads, again and again; only the
+//! seconds differ.
 
 #![allow(missing_docs)]
 

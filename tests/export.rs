@@ -10,7 +10,8 @@ use std::process::{Command, Stdio};
 /// Largest deviation from our own simulation, as a part of the column's largest value.
 const CLOSE: f64 = 1e-6;
 
-/// Two masses in a chain: Coulomb friction on the first, Dieterich-Ruina on the second (case 7, with its truth in the known rates).
+/// Two masses in a chain: Coulomb friction on the first, Dieterich-Ruina on the second (case 7, with its
+/// truth in the known rates).
 const CHAIN: &str = r#"(
     title: "Case 7: Coulomb and Dieterich-Ruina on two masses",
     constants: {
@@ -28,7 +29,8 @@ const CHAIN: &str = r#"(
     data: [Synthetic(truth: {}, noise: Relative(0.0), start: {}, duration: 50.0, step: 0.05)],
 )"#;
 
-/// A block on a block on a table: two contacts that hold each other, and a drive that leaves them at rest for long.
+/// A block on a block on a table: two contacts that hold each other, and a drive that leaves them at rest for
+/// long.
 const COUPLED: &str = r#"(
     constants: { "m1": (1.0, "kg"), "m2": (2.0, "kg"), "k": (4.0, "N/m"), "mu": (1.2, "N"), "nu": (0.9, "N"), "A": (3.5, "N"), "W": (0.7, "rad/s") },
     states: { "x1": "m", "x2": "m", "y1": "m/s", "y2": "m/s" },
@@ -63,7 +65,8 @@ const RESTS: &str = r#"(
     data: [Synthetic(truth: {}, noise: Relative(0.0), start: {}, duration: 60.0, step: 0.05)],
 )"#;
 
-/// Dieterich-Ruina without its small speed: without bound at rest, upwards where b is larger than a, else downwards.
+/// Dieterich-Ruina without its small speed: without bound at rest, upwards where b is larger than a, else
+/// downwards.
 fn singular(a: f64, b: f64, drive: f64) -> String {
     format!(
         r#"(
@@ -76,7 +79,8 @@ fn singular(a: f64, b: f64, drive: f64) -> String {
     )
 }
 
-/// A mass on a table that moves: the contact's velocity is one against an input, and the record has its own load.
+/// A mass on a table that moves: the contact's velocity is one against an input, and the record has its own
+/// load.
 const BASE: &str = r#"(
     constants: { "m": (1.0, "kg"), "k": (30.0, "N/m"), "d": (0.2, "N*s/m"), "U": (0.05, "m"), "W": (4.0, "rad/s"), "mu": 0.35 },
     states: { "x": "m", "v": "m/s" },
@@ -264,11 +268,13 @@ fn a_measured_force_that_jumps_turns_or_bends() {
 
 #[test]
 fn masses_that_never_move_do_not_stop_the_simulation() {
-    // The lower block's friction is larger than what the upper one can push it with: its motion is rounding, and no scale for a step.
+    // The lower block's friction is larger than what the upper one can push it with: its motion is rounding,
+    // and no scale for a step.
     moves_but("rounding", &COUPLED.replace(r#""nu": (0.9, "N")"#, r#""nu": (1.5, "N")"#), &["x1", "y1"]);
 }
 
-/// The third contact is decided by the first two, which hold the blocks; the drive overcomes the one of another mass.
+/// The third contact is decided by the first two, which hold the blocks; the drive overcomes the one of
+/// another mass.
 #[test]
 fn what_is_held_twice_does_not_hold_another_mass() {
     let spec = r#"(
@@ -519,7 +525,8 @@ fn asked(name: &str, spec: &str, lines: &str) -> String {
 
 #[test]
 fn rates_and_modes_follow_the_contact_rule() {
-    // Friction at rest is 3 N, the drive 1 N, the spring pulls with 5 N/m: 0.5, 2.98 and 3.02 N, and 8.5 N; at v = -0.5 friction is 2 N.
+    // Friction at rest is 3 N, the drive 1 N, the spring pulls with 5 N/m: 0.5, 2.98 and 3.02 N, and 8.5 N;
+    // at v = -0.5 friction is 2 N.
     let spec = RESTS.replace(r#""A": (5.0, "N")"#, r#""A": (1.0, "N")"#);
     let expected = "0 0.000000000\n0 0.000000000\n1 0.010000000\n1 2.750000000\n-1 0.325000000\n";
     let python = "
@@ -572,7 +579,8 @@ print([round(r, 9) for r in model.rates(0.0, [0.0, 0.25], [0.0, 0.25], [0], du=[
 motion = model.simulate([0.0, 1.0], [0.0, 0.0], [lambda t: 0.001*t, (lambda t: 0.001, lambda t: 0.0)])
 print([round(x, 9) for x in motion.states[1]], motion.modes)
 ";
-    // The table slips under the mass until friction, 0.7 m/s^2, has given it the table's speed: 1e-3^2/2/0.7 m less than the table's way.
+    // The table slips under the mass until friction, 0.7 m/s^2, has given it the table's speed: 1e-3^2/2/0.7
+    // m less than the table's way.
     assert_eq!(asked("carried", BASE, carried), "[0.25, 0.125]\n[0.000999286, 0.001] [[-1], [0]]\n");
 }
 

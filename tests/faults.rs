@@ -1,5 +1,5 @@
-//! What goes wrong around the program: full disks, folders that cannot be written, kills, pipes, files that are cut off or come from elsewhere.
-//! Nothing may hang, be half-written, or be lost without a word.
+//! What goes wrong around the program: full disks, folders that cannot be written, kills, pipes, files that
+//! are cut off or come from elsewhere. Nothing may hang, be half-written, or be lost without a word.
 #![allow(missing_docs)]
 #![cfg(unix)]
 
@@ -60,7 +60,8 @@ fn refused(said: &Outcome, words: &[&str]) {
 #[test]
 fn a_full_disk_is_told_and_the_result_is_not_lost() {
     let scratch = Scratch::new("full");
-    // A limit on the size of files is what a full disk looks like to a program; the report is its largest file.
+    // A limit on the size of files is what a full disk looks like to a program; the report is its largest
+    // file.
     let shell = format!(
         "trap '' XFSZ; ulimit -f 8; exec \"{}\" run {} --out \"{}\"",
         env!("CARGO_BIN_EXE_phisindy"),

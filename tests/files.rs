@@ -1,5 +1,5 @@
-//! Data files of every format: `new` writes a spec that `check` accepts, and bad files end with exit code 2 and a
-//! reason.
+//! Data files of every format: `new` writes a spec that `check` accepts, and bad files end with exit code 2
+//! and a reason.
 
 #![allow(missing_docs)]
 

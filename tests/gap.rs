@@ -1,4 +1,5 @@
-//! `phisindy gap` from start to end: the missing effect is named at its place with its value, and nothing is named where nothing is missing.
+//! `phisindy gap` from start to end: the missing effect is named at its place with its value, and nothing is
+//! named where nothing is missing.
 
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -27,8 +28,8 @@ fn spec(truth: &str, noise: f64) -> String {
     )
 }
 
-/// The same with a third of the samples: a search that ends without an explanation tries everything, and each trial
-/// costs its samples.
+/// The same with a third of the samples: a search that ends without an explanation tries everything, and each
+/// trial costs its samples.
 fn with_fewer_samples(spec: &str) -> String {
     let long = "duration: 40.0, step: 0.02";
     assert!(spec.contains(long), "{spec}");
@@ -117,7 +118,8 @@ fn a_rig_of_meganewtons_is_like_any_other() {
     assert!((level / 3e6 - 1.0).abs() < 0.02, "{level}");
 }
 
-/// What is asked about is no part of the model, and a contact without friction holds nothing: friction is found as if neither were there.
+/// What is asked about is no part of the model, and a contact without friction holds nothing: friction is
+/// found as if neither were there.
 #[test]
 fn candidates_and_contacts_that_do_not_rub_are_no_obstacle() {
     let asks = spec("\"v\": \"-0.3*sgn(v)\"", 0.02).replace(
@@ -132,7 +134,8 @@ fn candidates_and_contacts_that_do_not_rub_are_no_obstacle() {
     assert!(completed.contains("unknown: {}"), "{completed}");
 }
 
-/// A body on a belt whose speed is a constant: friction is found against the belt, where the spec has a contact, and not against the ground.
+/// A body on a belt whose speed is a constant: friction is found against the belt, where the spec has a
+/// contact, and not against the ground.
 #[test]
 fn friction_on_a_belt_is_found_at_the_contact_of_the_spec() {
     let friction = "(0.3+0.2*exp(-((v-V)/0.1)^2))*sgn(v-V)";
@@ -159,7 +162,8 @@ fn noise_without_motion_is_refused() {
     assert!(!out.status.success() && said.contains("mostly noise"), "{said}");
 }
 
-/// A body may have a stop on either side; and where impacts pull neighbouring motions apart a tenth of a record does not tell its start.
+/// A body may have a stop on either side; and where impacts pull neighbouring motions apart a tenth of a
+/// record does not tell its start.
 #[test]
 fn two_stops_are_found_although_the_motion_hangs_on_its_start() {
     let stops = spec("\"v\": \"-20*pos(x-1.2) + 20*pos(-x-1.5)\"", 0.02);
@@ -170,7 +174,8 @@ fn two_stops_are_found_although_the_motion_hangs_on_its_start() {
     assert!(found["final"]["validate"].as_f64().is_some_and(|gap| gap < 1.05), "{found}");
 }
 
-/// What evidence rules out may lead the race, or come in by the side door of a richer or a simpler relative: a smooth sign is no Stribeck friction that grows with the speed.
+/// What evidence rules out may lead the race, or come in by the side door of a richer or a simpler relative:
+/// a smooth sign is no Stribeck friction that grows with the speed.
 #[test]
 fn friction_that_grows_with_speed_is_not_called_stribeck() {
     let record = |duration: f64, amplitude: f64, seed: u32, role: &str| {
@@ -196,18 +201,21 @@ fn effect(law: &str, at: &str) -> (String, String) {
     (law.to_owned(), at.to_owned())
 }
 
-/// A force at another frequency than the drive's is one; at the drive's own it would make good whatever else is missing.
+/// A force at another frequency than the drive's is one; at the drive's own it would make good whatever else
+/// is missing.
 #[test]
 fn a_force_at_the_frequency_of_the_drive_is_none() {
     let (found, _) = gap(&folder("gap-tone"), &spec("\"v\": \"0.2*cos(1.9*t+1)\"", 0.02));
     assert_eq!(named(&found), [effect("harmonic-force", "v")], "{found}");
-    // What is missing answers the drive with a delay, as no law does: t - 0.8 stands for a state that is not there.
+    // What is missing answers the drive with a delay, as no law does: t - 0.8 stands for a state that is not
+    // there.
     let echo = with_fewer_samples(&spec("\"v\": \"0.2*cos(0.7*(t-0.8)) - 0.2*x^3\"", 0.02));
     let (found, _) = gap(&folder("gap-echo"), &echo);
     assert!(named(&found).iter().all(|(law, _)| law != "harmonic-force"), "{found}");
 }
 
-/// A body that sticks by turns answers a tone at sidebands, too, and noise hides it from the smoothed motion: the whole of what a fit leaves shows it.
+/// A body that sticks by turns answers a tone at sidebands, too, and noise hides it from the smoothed motion:
+/// the whole of what a fit leaves shows it.
 #[test]
 fn a_faint_tone_is_found_beside_friction_that_sticks() {
     let truth = "\"v\": \"-0.5*sgn(v) + 0.06*cos(4.45*t+1)\"";
@@ -226,7 +234,8 @@ fn a_faint_second_effect_is_not_overlooked() {
     assert!((push.as_f64().unwrap_or(0.0) - 0.008).abs() < 0.003, "{push}");
 }
 
-/// A cubic spring, a dead zone and a spring together draw the curve of a spring of the fifth power, and are not what it is.
+/// A cubic spring, a dead zone and a spring together draw the curve of a spring of the fifth power, and are
+/// not what it is.
 #[test]
 fn a_spring_of_the_fifth_power_is_not_explained_by_corrections() {
     let (found, code) = gap(&folder("gap-fifth"), &spec("\"v\": \"-0.004*x^5\"", 0.05));
@@ -234,7 +243,8 @@ fn a_spring_of_the_fifth_power_is_not_explained_by_corrections() {
     assert_eq!(named(&found), [effect("quintic-stiffness", "v")], "{found}");
 }
 
-/// A damper that may move takes most of a faint friction upon it and leaves white noise; what it masks is looked for all the same.
+/// A damper that may move takes most of a faint friction upon it and leaves white noise; what it masks is
+/// looked for all the same.
 #[test]
 fn what_a_movable_constant_masks_is_not_called_nothing() {
     let free = spec("\"v\": \"-0.015*sgn(v)\"", 0.05)
@@ -256,8 +266,8 @@ fn noise(seed: u64, size: f64) -> impl FnMut() -> f64 {
     move || size * ((0..12).map(|_| uniform()).sum::<f64>() - 6.0)
 }
 
-/// Motion of an oscillator with a spring of this stiffness in series with a dashpot beside it, whose force is a state of its own: columns t, x, v with noise, and an error of
-/// the sensor of x.
+/// Motion of an oscillator with a spring of this stiffness in series with a dashpot beside it, whose force is
+/// a state of its own: columns t, x, v with noise, and an error of the sensor of x.
 fn motion(stiffness: f64, error: fn(f64) -> f64, start: f64, seed: u64) -> String {
     let (fades, step) = (2.0, 0.005);
     let rates =
@@ -281,7 +291,8 @@ fn motion(stiffness: f64, error: fn(f64) -> f64, start: f64, seed: u64) -> Strin
     out
 }
 
-/// A force with a memory: under one tone a spring, a damper, and a little more of the drive describe it to the noise, and are not what it is.
+/// A force with a memory: under one tone a spring, a damper, and a little more of the drive describe it to
+/// the noise, and are not what it is.
 #[test]
 fn a_force_with_a_memory_is_not_explained_by_corrections() {
     let (found, code) = gap(&folder("gap-memory"), &measured("gap-memory", 0.5, |_| 0.0));
@@ -352,7 +363,8 @@ fn a_drive_off_its_frequency_is_told_beside_friction() {
     assert!(said.contains("with Coulomb friction at v") && named(&found).is_empty(), "{found}");
 }
 
-/// A stiffness that swings at nearly the frequency of one of many tones of the drive is no force at that frequency.
+/// A stiffness that swings at nearly the frequency of one of many tones of the drive is no force at that
+/// frequency.
 #[test]
 fn a_stiffness_that_swings_beside_a_tone_of_the_drive_is_found() {
     let record = |seed: u32, role: &str| {
@@ -401,7 +413,8 @@ fn noise_of_an_input_is_told() {
     assert!(found["missing_force"].is_null(), "{}", found["missing_force"]);
 }
 
-/// Friction that fades away during a run: plain friction takes half of it in the part that is fitted and is too much in the part that is not, so it is not added.
+/// Friction that fades away during a run: plain friction takes half of it in the part that is fitted and is
+/// too much in the part that is not, so it is not added.
 #[test]
 fn what_does_not_help_on_data_not_used_is_not_added() {
     let folder = folder("gap-fading");
@@ -437,7 +450,8 @@ fn what_does_not_help_on_data_not_used_is_not_added() {
     );
 }
 
-/// A mass that is not what the spec says bends the motion as no law does; laws that imitate it are told beside the constant.
+/// A mass that is not what the spec says bends the motion as no law does; laws that imitate it are told
+/// beside the constant.
 #[test]
 fn a_mass_that_is_wrong_is_told_beside_what_imitates_it() {
     let truth = "\"v\": \"-0.05*(-c*v - k*x + F0*cos(W*t))/m\"";
@@ -461,7 +475,8 @@ fn friction_beside_a_mass_that_is_wrong_is_told_with_its_number() {
     assert!(said.contains("then Fc = 0.31"), "{said}");
 }
 
-/// An oscillator released at t = 0, its frequency another one from t = 8 on: eight seconds to fit, the rest to validate.
+/// An oscillator released at t = 0, its frequency another one from t = 8 on: eight seconds to fit, the rest
+/// to validate.
 fn released(name: &str, [first, then]: [f64; 2]) -> (Value, i32) {
     let folder = folder(name);
     let mut noise = noise(11, 0.05);
@@ -486,8 +501,9 @@ fn released(name: &str, [first, then]: [f64; 2]) -> (Value, i32) {
     gap(&folder, &spec)
 }
 
-/// A stiffness from four periods does not tell the phase two hundred periods later: the free run along the Validate record misses it although nothing is missing. A
-/// stiffness that is another one there does not come under that.
+/// A stiffness from four periods does not tell the phase two hundred periods later: the free run along the
+/// Validate record misses it although nothing is missing. A stiffness that is another one there does not come
+/// under that.
 #[test]
 fn a_motion_that_hangs_on_its_numbers_is_judged_within_their_errors() {
     let (found, code) = released("gap-phase", [3.0, 3.0]);
@@ -515,7 +531,8 @@ fn chain(truth: &str, drive: f64, noise: f64) -> String {
     )
 }
 
-/// What is found first stands, at times, where it made good a part of what was still missing: each effect is tried everywhere once the others are there.
+/// What is found first stands, at times, where it made good a part of what was still missing: each effect is
+/// tried everywhere once the others are there.
 #[test]
 fn effects_move_to_where_they_belong() {
     let truth = "\"v1\": \"-0.5*sgn(v1) - 0.3*sgn(v1-v2)\", \"v2\": \"0.3*sgn(v1-v2)/1.5\"";
@@ -536,7 +553,8 @@ fn friction_in_two_places_is_found_at_once() {
     assert_eq!(names, [effect("coulomb", "v1-v2"), effect("coulomb", "v2")], "{found}");
 }
 
-/// The second mass hangs on the first alone: a constant force in between says what the zero of its sensor says. The force is named, and the sensor is not excluded.
+/// The second mass hangs on the first alone: a constant force in between says what the zero of its sensor
+/// says. The force is named, and the sensor is not excluded.
 #[test]
 fn a_push_inside_a_link_may_be_the_zero_of_a_sensor() {
     let truth = "\"v1\": \"0.3\", \"v2\": \"-0.3/1.5\"";
@@ -545,8 +563,8 @@ fn a_push_inside_a_link_may_be_the_zero_of_a_sensor() {
     assert!(found["steps"][0]["rivals"].to_string().contains("sensor-offset"), "{found}");
 }
 
-/// A body on a moving wall. The file has `u` one sample late, and the model lacks a damper of the body. A damper
-/// between body and wall does nearly the same as the delay.
+/// A body on a moving wall. The file has `u` one sample late, and the model lacks a damper of the body. A
+/// damper between body and wall does nearly the same as the delay.
 #[test]
 fn a_clock_that_a_damper_imitates_is_not_forgotten() {
     let folder = folder("gap-late-wall");
@@ -596,12 +614,13 @@ fn of_positions(truth: &str, noise: f64) -> String {
     spec(truth, noise).replace("seed:", "measure: [\"x\"], seed:")
 }
 
-/// A smooth friction is Stribeck's only if that may grow with the speed, which its file forbids; a motion that
-/// feeds itself is not a sum of drag, friction and a negative damper. No law of the catalogue is either of them: a
-/// formula is.
+/// A smooth friction is Stribeck's only if that may grow with the speed, which its file forbids; a motion
+/// that feeds itself is not a sum of drag, friction and a negative damper. No law of the catalogue is either
+/// of them: a formula is.
 ///
-/// The first takes a minute of CPU. With velocities measured `friction_that_grows_with_speed_is_not_called_stribeck`
-/// always sees the same, so it runs with the variable PHISINDY_LONG alone.
+/// The first takes a minute of CPU. With velocities measured
+/// `friction_that_grows_with_speed_is_not_called_stribeck` always sees the same, so it runs with the variable
+/// PHISINDY_LONG alone.
 #[test]
 fn a_law_is_not_named_for_what_it_imitates() {
     let galloping = with_fewer_samples(&of_positions("\"v\": \"0.2*v-0.2*v^3\"", 0.05));
@@ -619,8 +638,8 @@ fn a_law_is_not_named_for_what_it_imitates() {
     }
 }
 
-/// The known friction is half of what it should be... or twice: the constant is named with its value, although
-/// the gap is far from the noise.
+/// The known friction is half of what it should be... or twice: the constant is named with its value,
+/// although the gap is far from the noise.
 #[test]
 fn a_constant_inside_of_known_friction_is_told() {
     let spec = of_positions("\"v\": \"0.2*sgn(v)\"", 0.1)
@@ -656,8 +675,8 @@ fn records_that_disagree_in_one_number_have_it_each() {
     );
 }
 
-/// An oscillator under a force that a controller holds between its samples, simulated exactly: the velocity and
-/// the displacement of a damped oscillator under a constant force, step by step.
+/// An oscillator under a force that a controller holds between its samples, simulated exactly: the velocity
+/// and the displacement of a damped oscillator under a constant force, step by step.
 fn held_force(folder: &Path) -> String {
     let (k, c, step) = (480.0_f64, 1.1_f64, 0.01_f64);
     let (decay, own) = (0.5 * c, (k - 0.25 * c * c).sqrt());
@@ -706,8 +725,8 @@ fn a_held_force_is_not_a_delay() {
     assert!(completed.contains("interpolate: Hold"), "{completed}");
 }
 
-/// A friction tester: displacement and force, Coulomb friction and a damper. Dieterich and Ruina's law has a number
-/// more, imitates both, and fits less well.
+/// A friction tester: displacement and force, Coulomb friction and a damper. Dieterich and Ruina's law has a
+/// number more, imitates both, and fits less well.
 #[test]
 fn two_simple_laws_come_before_a_richer_one_that_fits_less_well() {
     let folder = folder("gap-tester");

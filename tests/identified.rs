@@ -46,7 +46,8 @@ fn a_synthetic_case_is_spliced_and_its_comments_survive() {
     );
     let checked = phisindy(&["check", &path]);
     assert_eq!((checked.code, checked.err), (0, format!("{path}: no mistakes\n")));
-    // The identified model is the truth to a few parts in ten thousand, and so is its motion; any other excitation is a --set away.
+    // The identified model is the truth to a few parts in ten thousand, and so is its motion; any other
+    // excitation is a --set away.
     for change in [[].as_slice(), &["--set", "constants.W=0.5"]] {
         let model = phisindy(&[["simulate", path.as_str()].as_slice(), change].concat());
         let truth = ["simulate", "specs/case1b.ron", "--set", "data.0.duration=20.0"];
@@ -116,8 +117,8 @@ fn a_measured_case_predicts_its_records_as_run_did() {
     }
 }
 
-/// A Validate record fits its own phase, zero and lateness: what, on which part and with which values is said, only
-/// the rest is scored, and `simulate` of the result repeats the figure.
+/// A Validate record fits its own phase, zero and lateness: what, on which part and with which values is
+/// said, only the rest is scored, and `simulate` of the result repeats the figure.
 #[test]
 fn what_a_validate_record_adapts_is_told_kept_and_not_scored() {
     let scratch = Scratch::new("adapted");

@@ -1,4 +1,5 @@
-//! Sizes beyond a stated limit are refused at once, with the place and what to do; `--limit` ends what takes too long or too much.
+//! Sizes beyond a stated limit are refused at once, with the place and what to do; `--limit` ends what takes
+//! too long or too much.
 
 #![allow(missing_docs)]
 

@@ -1,4 +1,5 @@
-//! Other people's measurements, wherever their folder is given by `PHISINDY_DATA`; the files are no part of the repository.
+//! Other people's measurements, wherever their folder is given by `PHISINDY_DATA`; the files are no part of
+//! the repository.
 
 #![allow(missing_docs)]
 
@@ -60,8 +61,8 @@ fn a_drive() {
     }
 }
 
-/// A force under prescribed motion, without a state of motion: fitted on two sines, an earthquake follows. Dahl's
-/// element alone leaves 0.21, 0.27 and 0.78.
+/// A force under prescribed motion, without a state of motion: fitted on two sines, an earthquake follows.
+/// Dahl's element alone leaves 0.21, 0.27 and 0.78.
 #[test]
 fn a_band_brake_damper() {
     let Some(data) = data("damper_36lb_kocaeli_dbe.csv") else { return };
@@ -104,7 +105,8 @@ fn a_drive_in_other_units() {
     std::fs::write(scratch.path("emps.ron"), spec).expect("a file");
     let (one, two) = (run("specs/emps.ron", &data), run(&scratch.path("emps.ron"), &scratch.0));
     for name in ["M", "v", "sgn(v)", "1"] {
-        // More digits than are printed: a factor of a thousand moves the last bit of some samples, and the descent stops a step earlier or later.
+        // More digits than are printed: a factor of a thousand moves the last bit of some samples, and the
+        // descent stops a step earlier or later.
         near(number(&two, name), number(&one, name), 1e-7);
     }
 }
@@ -156,8 +158,8 @@ fn laws(found: &Value) -> Vec<&str> {
     found["steps"].as_array().into_iter().flatten().filter_map(|s| s["law"].as_str()).collect()
 }
 
-/// The frame in continuous motion repeats to 0.006: a damper of seventy times the published value leaves 0.010,
-/// which is not the scatter of the rig. Friction is what is missing.
+/// The frame in continuous motion repeats to 0.006: a damper of seventy times the published value leaves
+/// 0.010, which is not the scatter of the rig. Friction is what is missing.
 #[test]
 fn a_floor_that_a_law_passes_is_no_floor() {
     let Some(folder) = data("frame_continuous_70p83_10s_2kHz_mm.csv") else { return };
@@ -177,8 +179,8 @@ fn a_linear_oscillator_needs_no_law() {
     assert_eq!(laws(&found), [""; 0], "{}", found["steps"]);
 }
 
-/// What `new` drafts for each record and `check` then says of it: a person who looks at the plots sees nothing that is wrong, but for a drive sampled at three points
-/// a period.
+/// What `new` drafts for each record and `check` then says of it: a person who looks at the plots sees
+/// nothing that is wrong, but for a drive sampled at three points a period.
 #[test]
 fn no_false_alarm_about_data() {
     for (file, alarms) in [
@@ -229,8 +231,8 @@ fn a_cart_on_a_relay_is_drafted_without_a_spring() {
     assert!((5.5..7.2).contains(&mass), "{mass}");
 }
 
-/// Friction in proportion to the load, before the small effects: laws with memory, whose segments always leave little,
-/// once kept the plain laws out of the race.
+/// Friction in proportion to the load, before the small effects: laws with memory, whose segments always
+/// leave little, once kept the plain laws out of the race.
 #[test]
 fn a_frame_under_two_loads_has_coulomb_friction() {
     let Some(data) = data("frame_stickslip_250g.csv") else { return };

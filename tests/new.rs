@@ -5,7 +5,8 @@
 use crate::common::{Outcome, Scratch, phisindy};
 use std::fmt::Write;
 
-/// A free oscillator with dry friction, x'' = -k (x - offset) - c v - f sgn v, in small steps: 40 rad/s^2, 0.2 1/s, 0.5 m/s^2. Times and places.
+/// A free oscillator with dry friction, x'' = -k (x - offset) - c v - f sgn v, in small steps: 40 rad/s^2,
+/// 0.2 1/s, 0.5 m/s^2. Times and places.
 fn ring_down(samples: usize, step: f64) -> Vec<(f64, f64)> {
     let (mut x, mut v, mut out) = (0.1, 0.0, Vec::new());
     for k in 0..samples {
@@ -578,7 +579,8 @@ fn a_counter_that_wraps_is_told() {
     assert!(said.err.contains("wraps") && !said.err.contains("slipped"), "{}{text}", said.err);
 }
 
-/// Numbers that are missing in every few rows leave no stretch to estimate start values from: what is there must do.
+/// Numbers that are missing in every few rows leave no stretch to estimate start values from: what is there
+/// must do.
 #[test]
 fn gaps_every_few_rows_leave_no_nan_in_the_spec() {
     let rows = ring_down(400, 0.02);
@@ -590,8 +592,8 @@ fn gaps_every_few_rows_leave_no_nan_in_the_spec() {
     assert!(!text.contains("NaN") && !said.err.contains("please report"), "{text}");
 }
 
-/// Neither displacement nor velocity: the spec reads the rate of a state, and runs. The sensor is in g and stands
-/// upright.
+/// Neither displacement nor velocity: the spec reads the rate of a state, and runs. The sensor is in g and
+/// stands upright.
 #[test]
 fn an_accelerometer_alone_is_drafted_and_identified() {
     let scratch = Scratch::new("new-accelerometer");

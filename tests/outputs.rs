@@ -1,4 +1,5 @@
-//! What sensors read that is no state: accelerometers and force cells, from `run` and `gap` to the completed spec.
+//! What sensors read that is no state: accelerometers and force cells, from `run` and `gap` to the completed
+//! spec.
 
 use serde_json::Value;
 use std::path::{Path, PathBuf};

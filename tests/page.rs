@@ -1,5 +1,5 @@
-//! The page of `phisindy open`: who may ask, what it keeps, and, where there is a browser, the way from dropping a file to
-//! the report.
+//! The page of `phisindy open`: who may ask, what it keeps, and, where there is a browser, the way from
+//! dropping a file to the report.
 #![allow(missing_docs)]
 
 use phisindy::files::Request;

@@ -6,7 +6,8 @@ use crate::common::{Outcome, Scratch, phisindy};
 use serde_json::Value;
 use std::fmt::Write;
 
-/// x = A cos(3 t) of an undamped oscillator x'' = -9 x, with a velocity beside it, and a zero and drift of the sensor.
+/// x = A cos(3 t) of an undamped oscillator x'' = -9 x, with a velocity beside it, and a zero and drift of
+/// the sensor.
 fn swing(step: f64, rows: usize, zero: f64, drift: f64) -> String {
     (0..rows).fold("t,x,v\n".to_owned(), |mut all, k| {
         let t = k as f64 * step;
@@ -166,7 +167,8 @@ fn odd_records_are_told_of() {
     assert!(odd("hole", hole, "(\"x\", \"m\")").contains("no samples from"));
 }
 
-/// A unit that is off makes the model leave all bounds: every command says which one, and the failure what to look at.
+/// A unit that is off makes the model leave all bounds: every command says which one, and the failure what to
+/// look at.
 #[test]
 fn all_commands_tell_of_a_wrong_unit() {
     let rows = (0..600).fold("t,x_mm,F\n".to_owned(), |mut all, k| {
@@ -232,7 +234,8 @@ fn a_differentiator_is_chosen_and_the_result_may_depend_on_it() {
         run("Spline", "step").err.contains("v is the derivative of x (smoothing spline"),
         "the choice is not heard"
     );
-    // One step ahead the error of the derivative is that of the stiffness, and its interval does not know; a whole run needs no derivative.
+    // One step ahead the error of the derivative is that of the stiffness, and its interval does not know; a
+    // whole run needs no derivative.
     assert!(local.err.contains("depends on how columns are differentiated"), "{}", local.err);
     let whole = run("SavitzkyGolay", "trajectory");
     assert!(!whole.err.contains("depends on how"), "{}", whole.err);
@@ -300,8 +303,8 @@ fn millimetres_and_metres_give_the_same_bits() {
     assert_eq!(si, numbers("in_km", rows(12, 8), ["s", "km", "m/ms"]));
 }
 
-/// The steady motion of a mass on a spring (20 1/s^2) and damper (0.8 1/s) whose base moves as two cosines; the base is read late, too large and
-/// with a zero error.
+/// The steady motion of a mass on a spring (20 1/s^2) and damper (0.8 1/s) whose base moves as two cosines;
+/// the base is read late, too large and with a zero error.
 fn late_base(delay: f64, gain: f64, offset: f64) -> String {
     let (k, c) = (20.0, 0.8);
     let lines = [(0.01, 3.0), (0.004, 7.3)];
@@ -323,8 +326,8 @@ fn late_base(delay: f64, gain: f64, offset: f64) -> String {
     })
 }
 
-/// What `run` finds with these sensors of the base of [`late_base`], which is late by 0.0371 s, twice too large, and off by 5 mm: value and standard error by name; and
-/// what `identified.ron` says.
+/// What `run` finds with these sensors of the base of [`late_base`], which is late by 0.0371 s, twice too
+/// large, and off by 5 mm: value and standard error by name; and what `identified.ron` says.
 fn base_sensor(name: &str, sensors: &str) -> (impl Fn(&str) -> (f64, f64) + use<>, String) {
     let scratch = Scratch::new(name);
     std::fs::write(scratch.path("a.csv"), late_base(0.0371, 2.0, 0.005)).expect("a file");
@@ -357,7 +360,8 @@ fn a_late_input_is_found_and_a_known_gain_undone() {
     assert!(kept.contains("delay: 0.03"), "{kept}");
 }
 
-/// Zero and scale of an input, found from starts that are not neutral themselves; the derivative of the input follows.
+/// Zero and scale of an input, found from starts that are not neutral themselves; the derivative of the input
+/// follows.
 #[test]
 fn gain_and_offset_of_an_input_are_found() {
     let find = |start: f64, unit: &str, low: f64, high: f64| {
@@ -514,7 +518,8 @@ fn a_record_at_rest_rejects_nothing() {
     assert!(wrong.code != 0, "{}{}", wrong.out, wrong.err);
 }
 
-/// Friction that falls with the speed, and a contact that lets go with no rate at all: the step after it has no length of its own. (Six of 150 such runs used to fail.)
+/// Friction that falls with the speed, and a contact that lets go with no rate at all: the step after it has
+/// no length of its own. (Six of 150 such runs used to fail.)
 #[test]
 fn a_contact_that_lets_go_exactly_at_its_limit_slips() {
     let scratch = Scratch::new("limit");
@@ -530,8 +535,8 @@ fn a_contact_that_lets_go_exactly_at_its_limit_slips() {
     assert_eq!(done.code, 0, "{}", done.err);
 }
 
-/// A pendulum that hangs still moves by the noise of its sensor alone. A search that has not found the zero yet swings the model a thousand times as far, and that is no
-/// motion without bounds.
+/// A pendulum that hangs still moves by the noise of its sensor alone. A search that has not found the zero
+/// yet swings the model a thousand times as far, and that is no motion without bounds.
 #[test]
 fn a_pendulum_at_rest_does_not_grow() {
     let scratch = Scratch::new("rest");

@@ -1,4 +1,5 @@
-//! `report.html` of `run` and `gap`: complete, well formed, of one piece, with the numbers of `result.json`; and, where there is a browser, readable in it.
+//! `report.html` of `run` and `gap`: complete, well formed, of one piece, with the numbers of `result.json`;
+//! and, where there is a browser, readable in it.
 
 #![allow(missing_docs)]
 
@@ -324,7 +325,8 @@ fn method_step_has_a_band_and_correlations_too() {
     assert!(made.html.contains("95 % band") && made.html.contains("Correlations of the estimates"));
 }
 
-/// A mistake in the spec, a file that is not there, a spec that is none: all have a report with what was said of them.
+/// A mistake in the spec, a file that is not there, a spec that is none: all have a report with what was said
+/// of them.
 #[test]
 fn what_cannot_be_run_has_a_report_too() {
     let missing = ["run", "specs/frame_250g.ron", "--data", "specs"];

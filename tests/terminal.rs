@@ -42,8 +42,8 @@ fn a_terminal_gets_unicode_colours_a_plot_and_the_report_last() {
     assert!(latex.contains("\\dot{y}"), "{latex}");
 }
 
-/// The rows of a screen of `wide` columns after what a program wrote: new lines, returns, moves up and down, erasing, and
-/// the wrap of a line that is full.
+/// The rows of a screen of `wide` columns after what a program wrote: new lines, returns, moves up and down,
+/// erasing, and the wrap of a line that is full.
 fn screen(said: &str, wide: usize) -> Vec<String> {
     let mut rows = vec![String::new()];
     let (mut row, mut column) = (0_usize, 0_usize);

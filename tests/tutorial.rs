@@ -1,4 +1,5 @@
-//! The tutorial, the newcomer's log and the guides are played: their commands run, their edits apply, their outputs are what they
+//! The tutorial, the newcomer's log and the guides are played: their commands run, their edits apply, their
+//! outputs are what they
 
 //! show.
 
@@ -76,7 +77,8 @@ fn edit(path: &Path, lines: &[&str]) {
     std::fs::write(path, text).expect("the spec");
 }
 
-/// Plays a page of `docs` in a folder of its own with the data file of this path; edits are of `spec`. How many commands it had.
+/// Plays a page of `docs` in a folder of its own with the data file of this path; edits are of `spec`. How
+/// many commands it had.
 fn play(page: &str, data: &Path, spec: &str) -> usize {
     let folder: PathBuf = Path::new(env!("CARGO_TARGET_TMPDIR")).join(page);
     let _ = std::fs::remove_dir_all(&folder);
@@ -88,9 +90,9 @@ fn play(page: &str, data: &Path, spec: &str) -> usize {
     commands
 }
 
-/// The pictures of the pages: the page, what its commands left, and the picture in `docs/tutorial`. With the variable
-/// PHISINDY_FIGURES the tests make them again:
-/// `PHISINDY_FIGURES=1 PHISINDY_DATA=DIR cargo test -p phisindy-cli tutorial`.
+/// The pictures of the pages: the page, what its commands left, and the picture in `docs/tutorial`. With the
+/// variable PHISINDY_FIGURES the tests make them again: `PHISINDY_FIGURES=1 PHISINDY_DATA=DIR cargo test -p
+/// phisindy-cli tutorial`.
 const PICTURES: &[(&str, &str, &str)] = &[
     ("tutorial.md", "first/figures/residual-1.svg", "residual.svg"),
     ("tutorial.md", "found/figures/gap.svg", "gap.svg"),

@@ -1,4 +1,5 @@
-//! Every file of specs/wrong holds one mistake; what the program says about it is a snapshot in tests/snapshots.
+//! Every file of specs/wrong holds one mistake; what the program says about it is a snapshot in
+//! tests/snapshots.
 
 #![allow(missing_docs)]
 

@@ -38,8 +38,8 @@ fn chapters(value: &mut Value) -> Result<()> {
     }
 }
 
-/// Markdown whose links to a `README.md` lead to the `index.html` that mdbook makes of it: mdbook itself names the page so,
-/// but leaves the links of other pages as they are.
+/// Markdown whose links to a `README.md` lead to the `index.html` that mdbook makes of it: mdbook itself
+/// names the page so, but leaves the links of other pages as they are.
 fn with_index(text: &str) -> String {
     text.replace("/README.md)", "/index.md)")
         .replace("/README.md#", "/index.md#")

@@ -56,8 +56,8 @@ impl Progress {
     }
 }
 
-/// Columns that stay free for the `^C` that a terminal shows: the line is padded to its end, and one that `^C` breaks
-/// would stay above the result.
+/// Columns that stay free for the `^C` that a terminal shows: the line is padded to its end, and one that
+/// `^C` breaks would stay above the result.
 const ECHO: u16 = 2;
 /// Room in a line for what stands before the words, and for the echo.
 const BESIDE: usize = 34;

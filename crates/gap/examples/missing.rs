@@ -48,8 +48,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let catalogue = entries.collect::<Result<Vec<_>, LawError>>()?;
 
     let found: Gap = gap(SPEC, case, records, &catalogue, &mut |_, _| ControlFlow::Continue(()))?;
-    // A gap is the rms of the residual over the noise; 1 is perfect. The Validate record counts, which was not
-    // fitted.
+    // A gap is the rms of the residual over the noise; 1 is perfect. The Validate record counts, which was
+    // not fitted.
     println!("gap on data not used, as the model is: {:.1}", found.before.1.unwrap_or(f64::NAN));
     for step in &found.steps {
         let after = step.validate.map_or(f64::NAN, |(_, after)| after);

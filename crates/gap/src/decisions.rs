@@ -21,7 +21,8 @@ decisions! {
     NOISE_ORDER: usize = 9, "differences", Basis::Derived("of a motion with twenty samples in a period they keep a millionth");
     /// Groups of samples by the size of the signal, in each of which the noise is measured.
     NOISE_GROUPS: usize = 8, "groups", Basis::Judgement("more would scatter, fewer would not show a form");
-    /// Levels of noise within this factor of a form are described by it; the groups must differ by the square of it.
+    /// Levels of noise within this factor of a form are described by it; the groups must differ by the square
+    /// of it.
     NOISE_FORM: f64 = 1.5, "factor", Basis::Derived("two and a half standard errors of a median of a hundred differences that share samples");
     /// A residual with a larger whiteness score is more than noise.
     NOT_WHITE: f64 = 6.0, "standard deviations", Basis::Convention("six sigma; white residuals stay below 4 in simulation");
@@ -101,7 +102,8 @@ decisions! {
     GRID_TIMES: [f64; 2] = [0.03, 30.0], "of length over speed of the motion", Basis::Judgement("a shorter one is no memory, a longer one a constant");
     /// Ratios of two forces of one law that are tried: first and last.
     GRID_FORCES: [f64; 2] = [0.5, 3.0], "factor", Basis::Judgement("levels of one contact are of one size");
-    /// Quarter periods along the swing that are tried for a force that is periodic in the position: first, and the one after the last.
+    /// Quarter periods along the swing that are tried for a force that is periodic in the position: first,
+    /// and the one after the last.
     GRID_QUARTERS: [usize; 2] = [2, 120], "quarters", Basis::Judgement("half a period, to thirty periods");
     /// A number without a unit is tried up to this, and down to its inverse.
     MOST_NUMBER: f64 = 100.0, "factor", Basis::Judgement("ratios of one law are not larger");
@@ -162,7 +164,8 @@ decisions! {
     FAMILY_ROUNDS: usize = 2, "rounds", BLIND;
     /// A model is fitted in full if its segment cost is within this factor of the best.
     RACE: f64 = 3.0, "factor", BLIND;
-    /// A rival whose segments leave more than this times what the runs of a fitted model leave is not fitted to the end.
+    /// A rival whose segments leave more than this times what the runs of a fitted model leave is not fitted
+    /// to the end.
     SEGMENTS_END: f64 = 1.02, "of chi square", Basis::Derived("the fit of segments ends within some thousandths of its least cost");
     /// Models within this factor of the best gap, or of the noise, are fitted from more starts ...
     WORTH_STARTS: f64 = 2.0, "factor", BLIND;
@@ -190,7 +193,8 @@ decisions! {
     FAR_OFF: f64 = 2.0, "of the noise", BLIND;
     /// Price of a sensor property, the less plausible explanation where a force does as well.
     SENSOR_PRICE: f64 = 6.0, "BIC", BLIND;
-    /// Price of a property of an input: where a sensor property does as well, it is named, by more than `SIMPLER`.
+    /// Price of a property of an input: where a sensor property does as well, it is named, by more than
+    /// `SIMPLER`.
     INPUT_PRICE: f64 = 10.0, "BIC", Basis::Derived("SENSOR_PRICE and SIMPLER, and one more so that ties are clear");
     /// Price of a negative sensor delay.
     EARLY_PRICE: f64 = 15.0, "BIC", BLIND;
@@ -225,7 +229,8 @@ decisions! {
     FORCE_KNOTS: [usize; 4] = [4, 8, 16, 32], "knots", Basis::Judgement("the description length chooses among them");
     /// Knots of a force over displacement and velocity, of each.
     FORCE_SURFACE_KNOTS: [usize; 3] = [4, 7, 11], "knots", Basis::Judgement("the description length chooses among them; cost");
-    /// At a place that rests a force may be all that is missing if it leaves this, or what is far from the noise elsewhere.
+    /// At a place that rests a force may be all that is missing if it leaves this, or what is far from the
+    /// noise elsewhere.
     FORCE_AT_REST: f64 = 0.1, "of the gap", Basis::SetOn("blind sets with friction that holds, where the response is not exact");
     /// Deflections at which springs slip, for a force that remembers.
     FORCE_DEFLECTIONS: [f64; 5] = [0.05, 0.1, 0.2, 0.4, 0.8], "of the largest displacement", Basis::Judgement("octaves: their sum is any hysteresis");
@@ -259,7 +264,8 @@ decisions! {
     SUBSTANTIAL: f64 = 3.0, "factor", BLIND;
     /// Two constants, or two columns, are mixed up if the exchange leaves a smaller fraction of the gap.
     EXCHANGED: f64 = 0.333_333_333_333_333_3, "of the gap", Basis::Judgement("nine tenths of the squared gap are then gone, without a new number");
-    /// Two effects cancel each other if the rms of their sum is a smaller fraction of that of the smaller one.
+    /// Two effects cancel each other if the rms of their sum is a smaller fraction of that of the smaller
+    /// one.
     CANCELS: f64 = 0.5, "of a force", Basis::Judgement("the smaller one is then mostly taken up by the other");
     /// A sensor may bend its scale by this much.
     SENSOR_LINEARITY: f64 = 0.005, "of a standard deviation", Basis::Convention("accuracy class 0.5 of measuring instruments, IEC 60051");

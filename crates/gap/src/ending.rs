@@ -182,8 +182,8 @@ impl<'s, 'a> Ending<'s, 'a> {
         Ok(Some(to))
     }
 
-    /// Drops the effects that the drawing of the inputs between their samples leaves open, where the rest of the
-    /// model is as good as that drawing allows. Returns the gap that the drawing leaves.
+    /// Drops the effects that the drawing of the inputs between their samples leaves open, where the rest of
+    /// the model is as good as that drawing allows. Returns the gap that the drawing leaves.
     fn coarse_inputs(&mut self) -> Result<f64, GapError> {
         let complete = self.last.model.effects.is_empty() && self.last.score.explains();
         let found =
@@ -200,8 +200,8 @@ impl<'s, 'a> Ending<'s, 'a> {
         Ok(open)
     }
 
-    /// The status with the doubts about the effects, and the number of effects from the first on that are free
-    /// of doubt.
+    /// The status with the doubts about the effects, and the number of effects from the first on that are
+    /// free of doubt.
     fn doubts(&mut self, status: Status) -> (Status, usize) {
         let all = self.last.model.effects.len();
         let mut vetoed = vetoed(&self.last);

@@ -42,7 +42,8 @@ pub(crate) fn speed(system: &System, motion: &Motion, place: &Place) -> Option<V
     evaluated(&tape, motion, &[], &[]).pop()
 }
 
-/// The first `N` outputs of a tape at every few samples of the run of a record, with the numbers that were found.
+/// The first `N` outputs of a tape at every few samples of the run of a record, with the numbers that were
+/// found.
 pub(crate) fn along_run<'a, const N: usize>(
     tape: &'a Tape,
     (system, parameters): (&System, &[FoundParameter]),

@@ -107,8 +107,9 @@ fn parameter_at_bound(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
     Some(Veto::ParameterAtEnd { name: name.clone(), bound: p.within.1 / factor, unit })
 }
 
-/// An elastic contact that never slips acts as a spring about the position where the record begins: none of its
-/// internal states comes to a place where its rate differs much from that of the contact at rest, at the same speed.
+/// An elastic contact that never slips acts as a spring about the position where the record begins: none of
+/// its internal states comes to a place where its rate differs much from that of the contact at rest, at the
+/// same speed.
 fn never_slips(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
     if !effect.entry.law.is_hysteretic() {
         return None;
@@ -118,8 +119,8 @@ fn never_slips(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
     (most_slip(fitted, effect)? < SLIPS).then_some(Veto::NeverSlips)
 }
 
-/// The largest part of the motion that an internal state of an effect does not follow, along all Fit records: its
-/// rate against the rate of the undeflected contact.
+/// The largest part of the motion that an internal state of an effect does not follow, along all Fit records:
+/// its rate against the rate of the undeflected contact.
 fn most_slip(fitted: &Fitted, effect: &Effect) -> Option<f64> {
     let (model, system) = (&fitted.model, &fitted.model.system);
     let own = model.effects.iter().find(|a| a.effect.same(effect))?;
@@ -178,9 +179,9 @@ fn returns_energy(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
     (given > GIVES_BACK * taken).then_some(Veto::Pushes)
 }
 
-/// A periodic force is not identifiable at a frequency of the drive or, without a drive, of the oscillation, nor
-/// at a multiple of it: there it stands for anything nonlinear that is missing. Nor is it where its period
-/// exceeds twice the record.
+/// A periodic force is not identifiable at a frequency of the drive or, without a drive, of the oscillation,
+/// nor at a multiple of it: there it stands for anything nonlinear that is missing. Nor is it where its
+/// period exceeds twice the record.
 fn unidentifiable_tone(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
     let law = &effect.entry.law;
     let screen = law.screen.as_ref()?;
@@ -195,8 +196,9 @@ fn unidentifiable_tone(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
     if frequency * longest < std::f64::consts::PI {
         return Some(Veto::SlowTone(TAU / frequency));
     }
-    // A drive has all its multiples in the motion, friction sees to that. In a free oscillation they fade: a cubic
-    // law makes three times its frequency; times a displacement of that frequency, twice the frequency does it.
+    // A drive has all its multiples in the motion, friction sees to that. In a free oscillation they fade: a
+    // cubic law makes three times its frequency; times a displacement of that frequency, twice the frequency
+    // does it.
     let most = if law.role(LawRole::Displacement).is_some() { 2 } else { 3 };
     fits().find_map(|record| {
         let mut drive = Drive::new(&base.system, record)?;
@@ -211,10 +213,10 @@ fn unidentifiable_tone(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
     })
 }
 
-/// A resistance, a force of the velocity alone, may correct the damping of the known part, but together with it
-/// must not feed the motion at any speed, whatever the other effects take out. The velocity-dependent part of the
-/// rate of the body, from the place at rest to its speed, must take energy in each quarter of the speeds, and still
-/// does so far above them. A known part that feeds the motion is active by itself.
+/// A resistance, a force of the velocity alone, may correct the damping of the known part, but together with
+/// it must not feed the motion at any speed, whatever the other effects take out. The velocity-dependent part
+/// of the rate of the body, from the place at rest to its speed, must take energy in each quarter of the
+/// speeds, and still does so far above them. A known part that feeds the motion is active by itself.
 fn feeds_motion(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
     if !effect.entry.law.is_resistance() {
         return None;
@@ -235,9 +237,9 @@ fn feeds_motion(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
     (feeds(&others)? && !feeds(&all)?).then_some(Veto::FeedsMotion)
 }
 
-/// The energy that the velocity-dependent part of a body's rate feeds into the motion, by quarters of the speed
-/// of an effect's place and at `FAR_ABOVE` times all speeds, along the measured motion of the first record, with
-/// these parameters at zero.
+/// The energy that the velocity-dependent part of a body's rate feeds into the motion, by quarters of the
+/// speed of an effect's place and at `FAR_ABOVE` times all speeds, along the measured motion of the first
+/// record, with these parameters at zero.
 fn powers(fitted: &Fitted, effect: &Effect, zero: &[usize]) -> Option<[f64; 5]> {
     let Site::Force { acts, velocity, .. } = &effect.place.site else { return None };
     let &(v, sign) = acts.first()?;
@@ -321,7 +323,8 @@ mod tests {
         assert_eq!(said(truth, "dead-zone", DEAD_ZONE, &[0.8, 0.3]), None);
     }
 
-    /// The bound is told in the unit of the model, not in that of the law's file: here a clearance is an angle.
+    /// The bound is told in the unit of the model, not in that of the law's file: here a clearance is an
+    /// angle.
     #[test]
     fn the_bound_of_a_law_is_told_in_the_unit_of_the_model() {
         let (base, noise) = model(
@@ -348,8 +351,8 @@ mod tests {
     const DRAG: &str = include_str!("../../../specs/laws/quadratic-drag.ron");
     const PARAMETRIC: &str = include_str!("../../../specs/laws/parametric-stiffness.ron");
 
-    /// A correction of the known damper is a finding; more than the damper, or a drag that pushes at high speeds,
-    /// is not.
+    /// A correction of the known damper is a finding; more than the damper, or a drag that pushes at high
+    /// speeds, is not.
     #[test]
     fn a_resistance_that_feeds_the_motion_is_ruled_out() {
         assert_eq!(said("0.06*v", "viscous", VISCOUS, &[-0.05]), None);

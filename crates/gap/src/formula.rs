@@ -6,8 +6,8 @@
 //!      +------------------------- the motion is its run, which has no noise ----------------------+
 //! ```
 //!
-//! A formula is a law like any other from there on: the same fit, the same contacts, the same Validate records, the
-//! same evidence against it. It counts only if it passes what a law of the catalogue must pass.
+//! A formula is a law like any other from there on: the same fit, the same contacts, the same Validate
+//! records, the same evidence against it. It counts only if it passes what a law of the catalogue must pass.
 
 mod atom;
 mod expansion;
@@ -83,13 +83,15 @@ struct Found {
 }
 
 impl Search<'_> {
-    /// Whether a model leaves no more than the noise of the measured inputs does alone, which no force describes.
+    /// Whether a model leaves no more than the noise of the measured inputs does alone, which no force
+    /// describes.
     fn left_by_input_noise(&self, of: &Fitted) -> bool {
         input_noise(of, self.noise).is_some_and(|noise| noise.left <= REPEATS * noise.alone)
     }
 
-    /// A search that ended without an explanation, or with one that evidence speaks against, with a formula if there is
-    /// one that explains the data: beside the model as it is, else beside the effects that were found.
+    /// A search that ended without an explanation, or with one that evidence speaks against, with a formula
+    /// if there is one that explains the data: beside the model as it is, else beside the effects that were
+    /// found.
     pub(crate) fn described(&mut self, searched: Searched) -> Searched {
         let explained = self.explained(&searched.last);
         let done = explained && !doubted(&searched.last, &searched.needed, self.noise);
@@ -97,8 +99,9 @@ impl Search<'_> {
         if done || ended || self.left_by_input_noise(&searched.last) {
             return searched;
         }
-        // A number of the model that is wrong is no law: most formulas would say the same with more words. A spring or a
-        // damper beside a stiffness or a damping that is held is the same force, as it is among the laws.
+        // A number of the model that is wrong is no law: most formulas would say the same with more words. A
+        // spring or a damper beside a stiffness or a damping that is held is the same force, as it is among
+        // the laws.
         let linear = a_constant_explains(&searched.base, self.noise);
         let mut starts = vec![searched.base.clone()];
         if !explained && !searched.last.model.effects.is_empty() {
@@ -139,8 +142,8 @@ impl Search<'_> {
         Some(found.best.discovered())
     }
 
-    /// The force that a model lacks, at the place where it explains most; beside a few laws that do not explain the data
-    /// it would be what these leave, which is no force of its own.
+    /// The force that a model lacks, at the place where it explains most; beside a few laws that do not
+    /// explain the data it would be what these leave, which is no force of its own.
     fn missing_force(&mut self, now: &Fitted) -> Option<MissingForce> {
         if self.observer.tell(FORMULAS, Activity::Formulas) {
             return None;
@@ -194,8 +197,8 @@ impl Search<'_> {
             }
             runs = Some(tried[best].fitted.cal.clone());
         }
-        // Fewer terms and limits shorten a formula; they do not explain what it does not. One that evidence rules out
-        // gives way to the next.
+        // Fewer terms and limits shorten a formula; they do not explain what it does not. One that evidence
+        // rules out gives way to the next.
         let mut again = 0;
         let best = loop {
             let best = best_of(&tried, &value)?;
@@ -228,8 +231,8 @@ impl Search<'_> {
         Some(Found { best, rivals })
     }
 
-    /// Tries the best formula without each of its terms, and with each atom replaced by what it is where its inner
-    /// number has no say, from the numbers of its fit, until nothing is needless.
+    /// Tries the best formula without each of its terms, and with each atom replaced by what it is where its
+    /// inner number has no say, from the numbers of its fit, until nothing is needless.
     fn prune(&self, model: &TrialModel, tried: &mut Vec<Tried>, value: &dyn Fn(&Tried, Measure) -> f64) {
         while let Some(best) = best_of(tried, value) {
             let from = &tried[best];
@@ -259,7 +262,8 @@ impl Search<'_> {
     }
 }
 
-/// The noise of each column, and at least the error of the response: of clean data no formula would leave as little.
+/// The noise of each column, and at least the error of the response: of clean data no formula would leave as
+/// little.
 pub(crate) fn response_noise(model: &TrialModel, noise: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let of = |(record, noise): (&Record, &Vec<f64>)| {
         let columns = record.columns.iter().flatten().zip(noise);
@@ -268,8 +272,8 @@ pub(crate) fn response_noise(model: &TrialModel, noise: &[Vec<f64>]) -> Vec<Vec<
     model.records.iter().zip(noise).map(of).collect()
 }
 
-/// Whether evidence speaks against an effect of a model, other than that the records leave the numbers of a law open
-/// that they need.
+/// Whether evidence speaks against an effect of a model, other than that the records leave the numbers of a
+/// law open that they need.
 fn doubted(last: &Fitted, needed: &[PlacedLaw], noise: &[Vec<f64>]) -> bool {
     if last.model.effects.is_empty() {
         return false;
@@ -279,10 +283,11 @@ fn doubted(last: &Fitted, needed: &[PlacedLaw], noise: &[Vec<f64>]) -> bool {
     vetoed(&last).iter().any(|(_, v)| counts(v)) || cancelling(&last).is_some()
 }
 
-/// The formulas of a pass that are fitted in full: of those that are worth their length, the ones that may be the right
-/// one. The response is not exact, and the right formula may leave as much as the shortest one does; what is longer
-/// than it by more than that, and the evidence that counts, is another. Second, sums that have all terms of a shorter
-/// formula and some more: they are fitted where no shorter one explains the data.
+/// The formulas of a pass that are fitted in full: of those that are worth their length, the ones that may be
+/// the right one. The response is not exact, and the right formula may leave as much as the shortest one
+/// does; what is longer than it by more than that, and the evidence that counts, is another. Second, sums
+/// that have all terms of a shorter formula and some more: they are fitted where no shorter one explains the
+/// data.
 fn promising(mut all: Vec<Candidate>, tried: &[Tried]) -> (Vec<Candidate>, Vec<Candidate>) {
     let best = all.iter().min_by(|a, b| a.length.total_cmp(&b.length));
     let Some(most) = best.map(|b| b.length + b.excess + 2.0 * WORTH) else { return (vec![], vec![]) };
@@ -322,8 +327,8 @@ fn without(from: &Tried, k: usize) -> Option<Candidate> {
     written(shapes, Effect { start, ..effect }, &from.scales, (0.0, 0.0))
 }
 
-/// A fitted formula with the atom of a quantity (0 displacement, 1 velocity) of its term `k` replaced by its limit, or
-/// by the step that it is for a small size.
+/// A fitted formula with the atom of a quantity (0 displacement, 1 velocity) of its term `k` replaced by its
+/// limit, or by the step that it is for a small size.
 fn at_limit(from: &Tried, k: usize, quantity: usize, step: bool) -> Option<Candidate> {
     let effect = current(&from.fitted).pop()?;
     let mut shapes = from.shapes.clone();

@@ -1,6 +1,6 @@
-//! How an input goes between its samples. A spline through a force that a controller holds moves the model by a
-//! fraction of a sample, which looks like a delay or a gain of a sensor. A force with a few samples in a period
-//! may be drawn in several ways, and no effect smaller than their difference can be told.
+//! How an input goes between its samples. A spline through a force that a controller holds moves the model by
+//! a fraction of a sample, which looks like a delay or a gain of a sensor. A force with a few samples in a
+//! period may be drawn in several ways, and no effect smaller than their difference can be told.
 
 use crate::decisions::SIMPLER;
 use crate::model::{Fitted, Measure, TrialModel, current};
@@ -24,9 +24,9 @@ pub(crate) struct Redrawn {
     pub(crate) to: Interpolation,
 }
 
-/// The models of a path (no effect, one, two, ...), each with the inputs drawn in every other way. Returns the
-/// best one that explains the data, if its criterion is lower than that of `last` or it has fewer effects and
-/// does as well. `None` if there is none or no input is sampled.
+/// The models of a path (no effect, one, two, ...), each with the inputs drawn in every other way. Returns
+/// the best one that explains the data, if its criterion is lower than that of `last` or it has fewer effects
+/// and does as well. `None` if there is none or no input is sampled.
 pub(crate) fn redrawn(
     path: &[Fitted],
     last: &Fitted,
@@ -69,8 +69,9 @@ pub(crate) fn redrawn(
 }
 
 /// The number of effects of a path (no effect, one, two, ...) that the drawing of the inputs leaves
-/// determined, with what it leaves open. An effect that moves the model less than another drawing of the inputs
-/// does may stand for that drawing, and so may what the last model leaves beyond the noise. `None` if there is neither.
+/// determined, with what it leaves open. An effect that moves the model less than another drawing of the
+/// inputs does may stand for that drawing, and so may what the last model leaves beyond the noise. `None` if
+/// there is neither.
 pub(crate) fn coarse_inputs(path: &[Fitted], noise: &[Vec<f64>]) -> Option<(usize, CoarseInput)> {
     let (base, last) = (path.first()?, path.last()?);
     let open = Drawing::of(base, noise).open()?;
@@ -97,13 +98,14 @@ impl<'a> Drawing<'a> {
         Drawing { base, noise, open: OnceCell::new() }
     }
 
-    /// Whether a model leaves less than another drawing of the inputs moves: no further effect can be made out.
+    /// Whether a model leaves less than another drawing of the inputs moves: no further effect can be made
+    /// out.
     pub(crate) fn hides_the_rest(&self, of: &Fitted) -> bool {
         self.open().is_some_and(|open| beyond_noise(of) < open)
     }
 
-    /// How much another drawing moves the model without effects: the mean square in units of the noise. `None` if no
-    /// input is drawn between samples, or is held: that is what a controller puts out.
+    /// How much another drawing moves the model without effects: the mean square in units of the noise.
+    /// `None` if no input is drawn between samples, or is held: that is what a controller puts out.
     fn open(&self) -> Option<f64> {
         let moved = || {
             let other = match drawn(&self.base.model)? {
@@ -119,15 +121,15 @@ impl<'a> Drawing<'a> {
     }
 }
 
-/// What a model leaves beyond the noise, on Fit or Validate records, whichever is more: the mean square in units
-/// of the noise. An effect that lowers it moves the model no more, where the model is linear in it: the residual
-/// of a least-squares fit is orthogonal to what the fit moves.
+/// What a model leaves beyond the noise, on Fit or Validate records, whichever is more: the mean square in
+/// units of the noise. An effect that lowers it moves the model no more, where the model is linear in it: the
+/// residual of a least-squares fit is orthogonal to what the fit moves.
 fn beyond_noise(of: &Fitted) -> f64 {
     (of.score.gap().max(of.score.fit).powi(2) - 1.0).max(0.0)
 }
 
-/// How the inputs of the Fit records are drawn; `None` where they are not drawn from samples, or not all in one
-/// way, or where one is derived from another.
+/// How the inputs of the Fit records are drawn; `None` where they are not drawn from samples, or not all in
+/// one way, or where one is derived from another.
 fn drawn(model: &TrialModel) -> Option<Interpolation> {
     let records = model.records.iter().filter(|r| r.role == Role::Fit);
     let mut kinds = records.clone().flat_map(|r| &r.inputs).map(Signal::kind);

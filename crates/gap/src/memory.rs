@@ -5,12 +5,13 @@ use crate::model::TrialModel;
 use phisindy_expr::{Id, Scratch, Tape};
 use phisindy_phys::{Record, System};
 
-/// Internal states along a motion by exponential Euler steps, exact where a rate is linear in its state. A step ends
-/// where the rate vanishes, if that lies on its way: with the motion held, no solution crosses such a point.
+/// Internal states along a motion by exponential Euler steps, exact where a rate is linear in its state. A
+/// step ends where the rate vanishes, if that lies on its way: with the motion held, no solution crosses such
+/// a point.
 ///
-/// The tape gives their rates, then the derivative of each by its own state. They are its inputs `states.0` and the
-/// next ones, `states.1` of them; `motion` sets the others for the step that begins at a sample. Each of the `N` lanes
-/// is a run with numbers of its own. Returns samples by lane and state.
+/// The tape gives their rates, then the derivative of each by its own state. They are its inputs `states.0`
+/// and the next ones, `states.1` of them; `motion` sets the others for the step that begins at a sample. Each
+/// of the `N` lanes is a run with numbers of its own. Returns samples by lane and state.
 pub(crate) fn internal_states<const N: usize>(
     tape: &Tape,
     states: (usize, usize),
@@ -46,8 +47,8 @@ pub(crate) fn internal_states<const N: usize>(
     all
 }
 
-/// The end of a step of an internal state from `now` to `next`, or the place between them where its rate vanishes,
-/// by lanes. The state is input `at.0` of the tape, its rate output `at.1`.
+/// The end of a step of an internal state from `now` to `next`, or the place between them where its rate
+/// vanishes, by lanes. The state is input `at.0` of the tape, its rate output `at.1`.
 fn before_rest<const N: usize>(
     scratch: &mut Scratch<N>,
     at: (usize, usize),
@@ -82,8 +83,8 @@ fn before_rest<const N: usize>(
     std::array::from_fn(|lane| if crosses[lane] { inside[lane] } else { next[lane] })
 }
 
-/// The last states of a system, `count` of them, along the smoothed motion of a record, with the model's numbers as they
-/// start. `None` where the motion is not known, or their rates cannot be evaluated.
+/// The last states of a system, `count` of them, along the smoothed motion of a record, with the model's
+/// numbers as they start. `None` where the motion is not known, or their rates cannot be evaluated.
 fn driven(system: &System, smooth: &Record, count: usize) -> Option<Vec<Vec<f64>>> {
     let (n, m) = (system.states.len(), system.inputs.len());
     let first = n - count;
@@ -111,8 +112,8 @@ fn driven(system: &System, smooth: &Record, count: usize) -> Option<Vec<Vec<f64>
 }
 
 impl TrialModel {
-    /// Sets the last states of the system, `count` of them and the memory of a law, to where the motion of the records
-    /// drives them: the segments of a fit start there.
+    /// Sets the last states of the system, `count` of them and the memory of a law, to where the motion of
+    /// the records drives them: the segments of a fit start there.
     pub(crate) fn drive_memory(&mut self, count: usize) {
         let first = self.system.states.len() - count;
         let mut largest = vec![0.0_f64; count];
@@ -134,8 +135,8 @@ mod tests {
     use super::*;
     use phisindy_expr::{Graph, Names, parse};
 
-    /// Each lane runs as it would alone, bit by bit, and ends where its rate vanishes: an elastic contact that slides at
-    /// the deflection 1/k.
+    /// Each lane runs as it would alone, bit by bit, and ends where its rate vanishes: an elastic contact
+    /// that slides at the deflection 1/k.
     #[test]
     fn lanes_do_not_know_of_each_other() {
         let (mut graph, mut names) = (Graph::default(), Names::default());

@@ -78,8 +78,8 @@ impl Place {
         self.is_relative() && matches!(&self.site, Site::Force { acts, .. } if acts.len() == 1)
     }
 
-    /// Converts a unit of a law, times newtons to the power `newtons`, to the units of the place. A law is written in
-    /// newtons and metres; the model may use volts, radians, or forces per mass.
+    /// Converts a unit of a law, times newtons to the power `newtons`, to the units of the place. A law is
+    /// written in newtons and metres; the model may use volts, radians, or forces per mass.
     pub(crate) fn unit(&self, unit: &str, newtons: f64, system: &System) -> String {
         let Ok(parsed) = Unit::parse(unit) else { return String::new() };
         if matches!(self.site, Site::Input(_)) {

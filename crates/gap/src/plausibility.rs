@@ -1,5 +1,5 @@
-//! Doubts about a model that leaves only noise: an effect that evidence rules out, an effect whose numbers the
-//! records do not determine, two effects whose forces cancel.
+//! Doubts about a model that leaves only noise: an effect that evidence rules out, an effect whose numbers
+//! the records do not determine, two effects whose forces cancel.
 
 use crate::decisions::CANCELS;
 use crate::evaluate::evaluated;
@@ -27,9 +27,10 @@ pub(crate) fn may_be_undetermined(applied: &Applied) -> bool {
     applied.effect.entry.law.parameters.len() > 1
 }
 
-/// A law is determined if none of its parameters ends at a bound, where the data want to go beyond it, or has an
-/// interval from bound to bound, and the interval of one of its coefficients excludes zero. A law that contains a simpler one has the level of that one
-/// as its first coefficient; of the others at least one must exclude zero.
+/// A law is determined if none of its parameters ends at a bound, where the data want to go beyond it, or has
+/// an interval from bound to bound, and the interval of one of its coefficients excludes zero. A law that
+/// contains a simpler one has the level of that one as its first coefficient; of the others at least one must
+/// exclude zero.
 fn undetermined(last: &Fitted, applied: &Applied) -> Option<Veto> {
     let law = &applied.effect.entry.law;
     let found = |k: usize| -> Option<&FoundParameter> {
@@ -49,8 +50,9 @@ fn undetermined(last: &Fitted, applied: &Applied) -> Option<Veto> {
     if at_end.is_some() {
         return at_end;
     }
-    // An interval from one bound to the other is what was known before. A coefficient for which a free constant of the
-    // model can stand, as the viscous part of a friction law beside a free damper, is theirs together: both are open.
+    // An interval from one bound to the other is what was known before. A coefficient for which a free
+    // constant of the model can stand, as the viscous part of a friction law beside a free damper, is theirs
+    // together: both are open.
     let own = |p: &FoundParameter| {
         let all = last.model.effects.iter().flat_map(|a| &a.parameters);
         p.id.constant().is_some_and(|c| all.into_iter().any(|own| *own == c))

@@ -1,4 +1,5 @@
-//! Formulas that a spec asks for in `unknown`: found by the search of formulas, and written into the spec as laws are.
+//! Formulas that a spec asks for in `unknown`: found by the search of formulas, and written into the spec as
+//! laws are.
 
 use crate::formula::{Scope, response_noise};
 use crate::model::{Fitted, TrialModel, current, noise_of, shortened, text_with};
@@ -107,8 +108,8 @@ pub struct WithFormulas {
     pub without: Vec<String>,
 }
 
-/// Finds the formulas and writes them into the known rates of a spec, in place of the request. `observe` receives the
-/// progress as a fraction and an activity, and may stop the search.
+/// Finds the formulas and writes them into the known rates of a spec, in place of the request. `observe`
+/// receives the progress as a fraction and an activity, and may stop the search.
 ///
 /// # Errors
 /// The model without the formulas cannot be fitted, or the spec cannot hold one.
@@ -131,7 +132,8 @@ pub fn with_formulas(
             Some(short) => model.for_records(short),
             None => model,
         };
-        // Of clean data a formula that is right to the error of the response is asked for. What it leaves is not white.
+        // Of clean data a formula that is right to the error of the response is asked for. What it leaves is
+        // not white.
         let measured = noise_of(&model.records);
         let noise = response_noise(&model, &measured);
         let floor = if noise == measured { 0.0 } else { 1.0 };

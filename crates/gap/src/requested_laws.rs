@@ -220,7 +220,8 @@ fn asks(u: &UnknownSpec) -> bool {
     !(u.candidates.is_empty() && u.laws.is_empty() && u.search.is_empty())
 }
 
-/// The text of a spec with this list taken out of its unknown parts, and without parts that hold nothing else.
+/// The text of a spec with this list taken out of its unknown parts, and without parts that hold nothing
+/// else.
 pub(crate) fn text_without(text: &str, spec: &Spec, list: &str) -> Result<String, ModelError> {
     let set = |text: &str, path: &str, value: &str| {
         let wrong = |why: splice::SetError| SpecTextError { path: path.to_owned(), why: why.to_string() };

@@ -73,8 +73,8 @@ pub struct StepParameter {
     pub ci95: (f64, f64),
     /// Unit.
     pub unit: String,
-    /// The value and interval in each record, where records have values of their own; empty otherwise. `value`
-    /// is then that of the first one.
+    /// The value and interval in each record, where records have values of their own; empty otherwise.
+    /// `value` is then that of the first one.
     pub each: Vec<RecordValue>,
 }
 
@@ -107,14 +107,14 @@ pub struct Step {
     pub expression: String,
     /// The subtracted force, a node of the final system; `None` for an effect on sensors.
     pub force: Option<phisindy_expr::Id>,
-    /// The same with its numbers in SI, in the language of the spec; `None` for an effect on sensors or inputs and for a
-    /// law with memory.
+    /// The same with its numbers in SI, in the language of the spec; `None` for an effect on sensors or
+    /// inputs and for a law with memory.
     pub formula: Option<String>,
-    /// Where a force without memory is known: the displacements and velocities of the records, of those that it depends
-    /// on. Empty for other effects.
+    /// Where a force without memory is known: the displacements and velocities of the records, of those that
+    /// it depends on. Empty for other effects.
     pub observed: Vec<ObservedRange>,
-    /// The terms of a discovered force about zero, to third order in its `x` and `v` (SI), where it is smooth and no
-    /// polynomial: `12*x - 3.1*x^3`.
+    /// The terms of a discovered force about zero, to third order in its `x` and `v` (SI), where it is smooth
+    /// and no polynomial: `12*x - 3.1*x^3`.
     pub expansion: Option<String>,
     /// Its parameters in the final model.
     pub parameters: Vec<StepParameter>,
@@ -124,7 +124,8 @@ pub struct Step {
     pub validate: Option<(f64, f64)>,
     /// Decrease of the criterion.
     pub delta_bic: f64,
-    /// The probability of the law among it and its rivals, all equally likely beforehand (G. Schwarz 1978, doi
+    /// The probability of the law among it and its rivals, all equally likely beforehand (G. Schwarz 1978,
+    /// doi
     /// 10.1214/aos/1176344136); `None` where the model does not explain the records: then none of them may be right.
     pub probability: Option<f64>,
     /// Models that are nearly as good.

@@ -49,7 +49,8 @@ pub(crate) struct Candidate {
     /// The same effect from other grid values, next best first.
     pub(crate) others: Vec<Effect>,
     columns: Vec<usize>,
-    /// Which of the law's columns the free quantities do not explain; those that they do explain count as zero.
+    /// Which of the law's columns the free quantities do not explain; those that they do explain count as
+    /// zero.
     seen: Vec<bool>,
     grid: Vec<f64>,
     regressors: usize,
@@ -221,8 +222,8 @@ impl<'a> Free<'a> {
         Free { columns, gram, movable, stride }
     }
 
-    /// The regression of each trial of an effect beside the free columns. An effect that oscillates keeps all trials, of
-    /// any other one few may start a fit.
+    /// The regression of each trial of an effect beside the free columns. An effect that oscillates keeps all
+    /// trials, of any other one few may start a fit.
     fn seeds(&self, trials: Vec<Trial>, regressors: Option<Regressors>) -> Seeds {
         let tone = regressors.iter().flat_map(|r| &r.grid).any(|axis| axis.scale == Scale::Frequency);
         let few = !tone && trials.len() > GRID_KEPT;
@@ -240,8 +241,8 @@ impl<'a> Free<'a> {
         Seeds { regressors, all, columns, why, few }
     }
 
-    /// Follows the best points of a coarse grid to where the law explains most (variable projection: Golub, Pereyra
-    /// 1973, doi 10.1137/0710036).
+    /// Follows the best points of a coarse grid to where the law explains most (variable projection: Golub,
+    /// Pereyra 1973, doi 10.1137/0710036).
     fn follow(&self, seeds: &mut Seeds, effect: &Effect, system: &System, data: &[RegressionData]) {
         let Some(force) = ForceTrials::new(effect, system, data) else { return };
         let axes = &force.regressors.grid;
@@ -286,8 +287,8 @@ impl<'a> Free<'a> {
             (false, true) => cross[(j, i - fixed)],
         });
         let Projected { gram, kept, follow } = projected(&gram, fixed);
-        // What a free constant of the model does as well is left to it: the viscous part of a friction law beside a free
-        // damper.
+        // What a free constant of the model does as well is left to it: the viscous part of a friction law
+        // beside a free damper.
         let mut seen = kept[1..].to_vec();
         let mut at: Vec<usize> = (1..=own.len()).filter(|&k| kept[k]).collect();
         if at.is_empty() {
@@ -295,8 +296,8 @@ impl<'a> Free<'a> {
         }
         let mut of = || {
             let (mut gain, mut coefficients) = solve(&gram, &at)?;
-            // A part that would take the wrong sign starts at zero: noise may turn the sign of one of several parts that are
-            // nearly collinear, and the law as a whole may be the right one.
+            // A part that would take the wrong sign starts at zero: noise may turn the sign of one of several
+            // parts that are nearly collinear, and the law as a whole may be the right one.
             while let Some((regressors, wrong)) =
                 regressors.and_then(|r| Some((r, r.wrong_sign(&at, &coefficients)?)))
             {
@@ -419,8 +420,8 @@ struct Pair {
     coefficients: Vec<f64>,
 }
 
-/// Values of the movable constants when columns `at` enter with these coefficients, from the joint regression. `follow`
-/// are the coefficients of all columns on those that were projected out.
+/// Values of the movable constants when columns `at` enter with these coefficients, from the joint
+/// regression. `follow` are the coefficients of all columns on those that were projected out.
 fn moved(movable: &[Movable], follow: &Mat<f64>, at: &[usize], coefficients: &[f64]) -> Vec<(String, f64)> {
     let of = |m: &Movable| {
         let taken: f64 = at.iter().zip(coefficients).map(|(&k, c)| c * follow[(m.row, k)]).sum();

@@ -45,7 +45,8 @@ pub(crate) struct Round {
     pub(crate) rivals: Vec<Rival>,
     /// Laws that evidence outside the fit rules out.
     pub(crate) vetoed: Vec<Vetoed>,
-    /// Laws that were fitted with one effect more than before: the gap that is left and the gain of the criterion.
+    /// Laws that were fitted with one effect more than before: the gap that is left and the gain of the
+    /// criterion.
     pub(crate) fitted: Vec<(PlacedLaw, f64, f64)>,
 }
 
@@ -94,9 +95,9 @@ impl Start<'_> {
 
 impl Search<'_> {
     /// Runs the search, and repeats it without the laws that the records do not determine in the end, or that
-    /// evidence rules out: another law may do as well. A repeated search counts if it explains the data as well;
-    /// the laws that it leaves out are reported with its first round. Otherwise the data need the law, whatever
-    /// the intervals of its parameters: these may depend on each other.
+    /// evidence rules out: another law may do as well. A repeated search counts if it explains the data as
+    /// well; the laws that it leaves out are reported with its first round. Otherwise the data need the law,
+    /// whatever the intervals of its parameters: these may depend on each other.
     pub(crate) fn run_until_determined(&mut self, base: TrialModel) -> Result<Searched, ModelError> {
         let mut catalogue = self.catalogue.to_vec();
         let mut found = self.run(base.clone())?;
@@ -276,7 +277,8 @@ impl Search<'_> {
         let mut models = self.extended(model, now, screening);
         models.extend(self.richer(model, now));
         let mut singles = self.fit_race(models, RACE, *candidates, vetoed);
-        // What a leading law contains is fitted whatever its segments cost: on a coarse grid the richer law starts nearer.
+        // What a leading law contains is fitted whatever its segments cost: on a coarse grid the richer law
+        // starts nearer.
         let contained = self.contained(model, screening, &singles);
         if !contained.is_empty() {
             singles.extend(self.fit_race(contained, ALL, *candidates, vetoed));
@@ -362,8 +364,8 @@ impl Search<'_> {
         (pairs, pair)
     }
 
-    /// The models that a part of the segments does not show to be far behind, as most are: behind the best one, or behind
-    /// `rival`, what a fitted model leaves there.
+    /// The models that a part of the segments does not show to be far behind, as most are: behind the best
+    /// one, or behind `rival`, what a fitted model leaves there.
     fn near(&self, models: Vec<TrialModel>, rival: Option<f64>) -> Vec<TrialModel> {
         let cost = |model: TrialModel| {
             let own = model.segment_cost(self.noise, SEEDED_STRIDE)?;
@@ -408,7 +410,8 @@ impl Search<'_> {
         if screening.candidates.is_empty() {
             return nothing;
         }
-        // What the residuals of the fit do not hold is an error of the smoothed motion, or of the inputs between samples.
+        // What the residuals of the fit do not hold is an error of the smoothed motion, or of the inputs
+        // between samples.
         let named = |entry: &&LawEntry| screening.candidates.iter().any(|c| c.effect.entry.id == entry.id);
         let asked: Vec<LawEntry> = self.catalogue.iter().filter(named).cloned().collect();
         let of_fit = screen(&model, &now.cal, &asked, self.noise, Target::OfFit(&now.cal));
@@ -449,9 +452,9 @@ impl Search<'_> {
         SecondPass::More(Box::new(best), round)
     }
 
-    /// Adds competitors to `pairs`, where `pair` explains the data. Takes the best of `singles` that is a part
-    /// of `pair`, screens beside it, and fits every law that ranks above the other part. The first screening
-    /// may have confused similar laws, because the linear response is inexact far from the data.
+    /// Adds competitors to `pairs`, where `pair` explains the data. Takes the best of `singles` that is a
+    /// part of `pair`, screens beside it, and fits every law that ranks above the other part. The first
+    /// screening may have confused similar laws, because the linear response is inexact far from the data.
     fn with_competitors(
         &self,
         mut pairs: Vec<Fitted>,
@@ -490,8 +493,8 @@ impl Search<'_> {
 
     /// Fits the models whose segment cost is within `race` of the best, sorted by the criterion, without
     /// those that evidence rules out. If the leader is ruled out, the race is repeated among the others,
-    /// which it may have eliminated wrongly. A law with memory has a start state more in every segment, so its segments
-    /// leave less whatever its force is: it does not race against laws without.
+    /// which it may have eliminated wrongly. A law with memory has a start state more in every segment, so
+    /// its segments leave less whatever its force is: it does not race against laws without.
     pub(crate) fn fit_race(
         &self,
         models: Vec<TrialModel>,
@@ -565,8 +568,9 @@ impl Search<'_> {
             };
             models.into_par_iter().filter_map(fit).collect()
         };
-        // The best over segments without memory goes first, then that with memory: a law that leaves more even on segments
-        // than one of them does in its runs need not be fitted to the end, unless evidence rules that one out.
+        // The best over segments without memory goes first, then that with memory: a law that leaves more
+        // even on segments than one of them does in its runs need not be fitted to the end, unless evidence
+        // rules that one out.
         let mut models = models;
         models.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
         let mut all: Vec<(f64, Fitted)> = Vec::new();
@@ -608,8 +612,8 @@ impl Search<'_> {
     }
 }
 
-/// Up to what segment cost models without memory, and with, stay in a race of these costs, each with whether its model has
-/// memory, and of a rival.
+/// Up to what segment cost models without memory, and with, stay in a race of these costs, each with whether
+/// its model has memory, and of a rival.
 fn limits(race: f64, rival: Option<f64>, raced: impl Iterator<Item = (bool, f64)> + Clone) -> [f64; 2] {
     let least = |memory: bool| {
         let others = raced.clone().filter(|(other, _)| memory || !other);
@@ -690,8 +694,9 @@ fn worth(now: &Fitted, next: &Fitted, candidates: usize) -> bool {
     makes_progress(&now.score, &next.score) || (gain > WORTH && carries)
 }
 
-/// The better one of the best single law and the best pair. A pair of more parameters is worth its price or does not count,
-/// and one that does not explain the data needs a clear gain over its single part; otherwise the greedy search goes on.
+/// The better one of the best single law and the best pair. A pair of more parameters is worth its price or
+/// does not count, and one that does not explain the data needs a clear gain over its single part; otherwise
+/// the greedy search goes on.
 fn one_or_two(
     single: Option<Fitted>,
     pair: Option<Fitted>,
@@ -767,7 +772,8 @@ fn round_from(
     Round { before, rivals, vetoed, fitted }
 }
 
-/// The models with one effect more than `now`: law and place, the gap that is left, the gain of the criterion.
+/// The models with one effect more than `now`: law and place, the gap that is left, the gain of the
+/// criterion.
 fn fitted_alone<'f>(
     now: &Fitted,
     all: impl Iterator<Item = &'f Fitted> + Clone,

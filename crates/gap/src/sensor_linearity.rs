@@ -1,5 +1,6 @@
-//! A sensor whose scale bends. A spring that bends the motion a little looks like a sensor whose reading is not
-//! quite in proportion: y = x + a x^2 + b x^3. Sensors are good to some tenths of a per cent of their range.
+//! A sensor whose scale bends. A spring that bends the motion a little looks like a sensor whose reading is
+//! not quite in proportion: y = x + a x^2 + b x^3. Sensors are good to some tenths of a per cent of their
+//! range.
 
 use crate::decisions::{SAME_GAP, SENSOR_LINEARITY};
 use crate::model::{Fitted, TrialModel, current};
@@ -10,9 +11,9 @@ use phisindy_phys::spec::Role;
 use phisindy_signal::standard_deviation;
 use std::sync::Arc;
 
-/// The first effect of a model, by index, that a bent scale of the sensors would replace: without it the model is
-/// as good on columns from which a parabola and a cubic are taken, each no larger than the linearity of a good
-/// sensor.
+/// The first effect of a model, by index, that a bent scale of the sensors would replace: without it the
+/// model is as good on columns from which a parabola and a cubic are taken, each no larger than the linearity
+/// of a good sensor.
 pub(crate) fn sensor_nonlinearity(last: &Fitted, noise: &[Vec<f64>]) -> Option<(usize, SensorNonlinearity)> {
     let effects = current(last);
     let bends = |e: &Effect| e.entry.law.is_spring() && !e.entry.law.is_linear_spring();
@@ -29,9 +30,9 @@ pub(crate) fn sensor_nonlinearity(last: &Fitted, noise: &[Vec<f64>]) -> Option<(
     })
 }
 
-/// A model on columns from which the parabola and the cubic in the column are taken that its residual holds, with
-/// the column that bends most and its bend, the rms of both over the standard deviation. `None` if a bend is
-/// larger than that of a good sensor.
+/// A model on columns from which the parabola and the cubic in the column are taken that its residual holds,
+/// with the column that bends most and its bend, the rms of both over the standard deviation. `None` if a
+/// bend is larger than that of a good sensor.
 fn straightened(of: &Fitted) -> Option<(TrialModel, Named, f64)> {
     let mut model = of.settled();
     let mut worst: Option<(f64, Named)> = None;
@@ -100,8 +101,8 @@ mod tests {
     use super::*;
     use crate::test_models::{effect, model, with_effects};
 
-    /// A free oscillation whose sensor bends by a fifth of a per cent: a quadratic spring fits as well, but is not
-    /// what the record tells. A spring that bends the motion by more than a sensor may is.
+    /// A free oscillation whose sensor bends by a fifth of a per cent: a quadratic spring fits as well, but
+    /// is not what the record tells. A spring that bends the motion by more than a sensor may is.
     #[test]
     fn a_bent_scale_is_no_spring() {
         let of = |truth: &str| {

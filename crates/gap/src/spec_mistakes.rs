@@ -1,5 +1,5 @@
-//! What a spec may have mixed up: the values of two constants, such as two masses, or a column that is measured
-//! against another body and not against the ground (or the other way round).
+//! What a spec may have mixed up: the values of two constants, such as two masses, or a column that is
+//! measured against another body and not against the ground (or the other way round).
 
 use crate::decisions::EXCHANGED;
 use crate::model::{Fitted, TrialModel, current};
@@ -69,8 +69,8 @@ fn exchanged(base: &TrialModel) -> Vec<(SpecMistake, TrialModel)> {
     all
 }
 
-/// The model with each column plus or minus each other one of its unit: as if the column were measured against
-/// that body, or against the ground where the state is relative.
+/// The model with each column plus or minus each other one of its unit: as if the column were measured
+/// against that body, or against the ground where the state is relative.
 fn shifted(base: &TrialModel) -> Vec<(SpecMistake, TrialModel)> {
     let states = &base.system.states;
     let mut all = Vec::new();

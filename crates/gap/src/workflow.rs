@@ -69,9 +69,9 @@ pub fn gap(
     })
 }
 
-/// Searches from the estimate of the states that only outputs tell. Where nothing explains the data from there, the
-/// search is repeated with those states at rest: the estimate takes what the model lacks for an unknown force, and
-/// may lead astray.
+/// Searches from the estimate of the states that only outputs tell. Where nothing explains the data from
+/// there, the search is repeated with those states at rest: the estimate takes what the model lacks for an
+/// unknown force, and may lead astray.
 fn from_estimate_or_rest(search: &mut Search<'_>, whole: TrialModel) -> Result<Searched, ModelError> {
     let short = shortened(&whole.records).map(|records| whole.for_records(records));
     let first = on_shortened(search, whole.clone(), short.clone())?;
@@ -87,9 +87,9 @@ fn from_estimate_or_rest(search: &mut Search<'_>, whole: TrialModel) -> Result<S
     }
 }
 
-/// Searches on shortened records, if there are any; the final parameters come from all samples. Where the beginning of
-/// the Fit records is explained and the rest is not, the beginning does not stand for the whole: a tester may have gone
-/// at one speed first. Then the whole is searched.
+/// Searches on shortened records, if there are any; the final parameters come from all samples. Where the
+/// beginning of the Fit records is explained and the rest is not, the beginning does not stand for the whole:
+/// a tester may have gone at one speed first. Then the whole is searched.
 fn on_shortened(
     search: &mut Search<'_>,
     whole: TrialModel,

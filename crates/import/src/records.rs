@@ -9,8 +9,8 @@ use std::ops::Range;
 
 /// Most trials that become records.
 const MOST_TRIALS: usize = 6;
-/// Rows may be left out over this part of a period of the fastest strong line. Cubic interpolation of the inputs, whose
-/// error is `3/128 (2 pi part)^4` of the amplitude, is then right to 0.02 %.
+/// Rows may be left out over this part of a period of the fastest strong line. Cubic interpolation of the
+/// inputs, whose error is `3/128 (2 pi part)^4` of the amplitude, is then right to 0.02 %.
 const SHORT_HOLE: f64 = 0.05;
 /// Fewest rows of a record.
 const FEWEST: usize = 20;
@@ -244,7 +244,8 @@ impl Rows<'_> {
         if enough { best } else { rows.first().map_or(0..0, |a| *a..rows[rows.len() - 1] + 1) }
     }
 
-    /// Remarks on rows that lack a value (`lost`), and on a time that stands twice, beside the `best` stretch of rows.
+    /// Remarks on rows that lack a value (`lost`), and on a time that stands twice, beside the `best` stretch
+    /// of rows.
     fn tell_bad_rows(
         &mut self,
         lost: &[usize],

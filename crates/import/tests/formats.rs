@@ -278,8 +278,8 @@ fn what_is_wrong_is_told_with_what_to_do() {
 #[test]
 fn a_cell_without_a_number_is_told_with_its_row() {
     let mut bytes = fixture("run.npz");
-    // The last number of F, in the last bytes before the directory of the archive, is made no number; its sum is not looked at
-    // in a member that is stored: so the array alone is taken.
+    // The last number of F, in the last bytes before the directory of the archive, is made no number; its sum
+    // is not looked at in a member that is stored: so the array alone is taken.
     let at = bytes.windows(6).rposition(|w| w == b"\x93NUMPY").expect("an array");
     let end = bytes[at..].windows(4).position(|w| w == b"PK\x01\x02" || w == b"PK\x03\x04").expect("an end");
     bytes = bytes[at..at + end].to_vec();

@@ -1,5 +1,6 @@
-//! One epoch of the step method (loss and gradient of all samples, one update of RAdam) in microseconds, as `bench/race.py` reads it; what part of the
-//! machine that uses; and the whole solve by Gauss-Newton. The shortest of many runs counts: whatever else the machine does can only make one longer.
+//! One epoch of the step method (loss and gradient of all samples, one update of RAdam) in microseconds, as
+//! `bench/race.py` reads it; what part of the machine that uses; and the whole solve by Gauss-Newton. The
+//! shortest of many runs counts: whatever else the machine does can only make one longer.
 
 #![allow(clippy::print_stdout)] // its output is what it is for
 
@@ -95,7 +96,8 @@ fn fused() -> f64 {
     operations as f64 / begin.elapsed().as_secs_f64()
 }
 
-/// Bytes in a second between registers and the first cache, in products of lanes as a tape makes them: two loads and a store each.
+/// Bytes in a second between registers and the first cache, in products of lanes as a tape makes them: two
+/// loads and a store each.
 fn streamed() -> f64 {
     const LANES: usize = 64;
     /// Slots of a tape of middling size: 12 kB.

@@ -1,11 +1,12 @@
-//! How the time grows with samples, candidates and bodies. `bench/scaling.py` runs each case in a process of its own, so that its peak memory is its own:
+//! How the time grows with samples, candidates and bodies. `bench/scaling.py` runs each case in a process of
+//! its own, so that its peak memory is its own:
 //!
 //! ```text
 //! cargo bench -p phisindy-learn --bench scaling -- fit 100000
 //! ```
 //!
-//! Without a kind and a size: a small round of all kinds. A line says the kind, the size, the shortest time in seconds, and (0 where there is none) the
-//! unknowns that it is about.
+//! Without a kind and a size: a small round of all kinds. A line says the kind, the size, the shortest time
+//! in seconds, and (0 where there is none) the unknowns that it is about.
 
 #![allow(clippy::print_stdout)] // its output is what it is for
 

@@ -10,7 +10,8 @@ use phisindy_phys::{Origin, Sources, check, spec};
 use phisindy_sim::synthesize;
 use std::ops::ControlFlow;
 
-/// The data are made by the program itself: the truth holds two terms, the dictionary six. The velocity is not measured.
+/// The data are made by the program itself: the truth holds two terms, the dictionary six. The velocity is
+/// not measured.
 const SPEC: &str = r#"(
     constants: { "m": (1.0, "kg"), "d": (0.1, "N*s/m"), "k": (value: 1.1, unit: "N/m", within: (0.5, 2.0)) },
     states: { "x": "m", "v": "m/s" },

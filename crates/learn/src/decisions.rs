@@ -1,7 +1,9 @@
-//! Every number of this crate that decides something, in the order of the pipeline: what it decides, in which unit, and why it is what it is.
-//! Where the history tells of no data that a number was set on, its basis is a judgement.
+//! Every number of this crate that decides something, in the order of the pipeline: what it decides, in which
+//! unit, and why it is what it is. Where the history tells of no data that a number was set on, its basis is
+//! a judgement.
 //!
-//! What is not here decides nothing: block lengths of sums, points of a drawn curve, the stages of a published formula.
+//! What is not here decides nothing: block lengths of sums, points of a drawn curve, the stages of a
+//! published formula.
 
 use phisindy_phys::{Basis, Decision, decisions};
 
@@ -54,7 +56,8 @@ decisions! {
     ROUNDING: f64 = 1.000_000_000_000_01, "factor", Basis::Derived("45 units in the last place");
     /// With more unknowns than this the structure of segments is used: each has its own start state.
     DENSE: usize = 128, "unknowns", Basis::Judgement("cost: below it a dense solution takes no time");
-    /// An eigenvalue of the normal matrix below this, of unit diagonal, is a direction that the data do not see.
+    /// An eigenvalue of the normal matrix below this, of unit diagonal, is a direction that the data do not
+    /// see.
     BLIND_EIGENVALUE: f64 = 1e-13, "of unit diagonal", Basis::Derived("rounding of a matrix with some hundred rows");
     /// An unknown with a larger part of a blind direction is not seen.
     BLIND_PART: f64 = 1e-6, "part of a unit vector", NUMERICS;
@@ -114,11 +117,13 @@ decisions! {
     SHORTEST_STRETCH: usize = 5, "samples", PAPER;
     /// Damping of the regression: collinear candidates share what none can claim.
     RIDGE: f64 = 1e-6, "part of the diagonal", PAPER;
-    /// A contact slower than this part of its root mean square speed may stick or turn: the regression leaves such stretches out.
+    /// A contact slower than this part of its root mean square speed may stick or turn: the regression leaves
+    /// such stretches out.
     SLOW_CONTACT: f64 = 0.05, "part of the rms speed", PAPER;
     /// Ranks of single terms that are tried as the first term of each equation.
     LEADING_RANKS: usize = 3, "terms", PAPER;
-    /// A start that lowers the misfit by less than this part was not worth trying: neither will the next one be.
+    /// A start that lowers the misfit by less than this part was not worth trying: neither will the next one
+    /// be.
     START_GAIN: f64 = 0.02, "part of the misfit", PAPER;
 
     // Method trajectory: fit.
@@ -127,7 +132,8 @@ decisions! {
     STAGES: [usize; 3] = [20, 5, 1], "segments of each record", PAPER;
     /// Before anything is fitted the noise of a column is this part of its standard deviation.
     FIRST_NOISE: f64 = 0.1, "part of the standard deviation", Basis::Judgement("every column weighs by its own size");
-    /// A known model is run from where the spec starts, if that misses by less than this many times what the fit misses by.
+    /// A known model is run from where the spec starts, if that misses by less than this many times what the
+    /// fit misses by.
     STRAIGHT_PROMISE: f64 = 3.0, "times the misfit", BLIND;
     /// A single run whose residual is this many times that of five segments drifts away from the data.
     DRIFT: f64 = 3.0, "times the misfit", PAPER;
@@ -139,7 +145,8 @@ decisions! {
     HOP_GAIN: f64 = 0.95, "part of the cost", Basis::SetOn("a released mass with a swing more or less (`crates/learn/tests/honesty.rs`)");
     /// By how much the joints of a chain of segments are tightened, in turn.
     TIGHTENING: [f64; 3] = [0.3, 0.03, 0.003], "free jumps", PAPER;
-    /// A description whose cost after a few steps is this many times that of another one will not come near it.
+    /// A description whose cost after a few steps is this many times that of another one will not come near
+    /// it.
     HOPELESS: f64 = 10.0, "times the cost", PAPER;
     /// Steps that a simulation may take beside those of the fit before.
     BUDGET_BASE: usize = 1_000, "steps", Basis::Judgement("transients and events at the start");
@@ -176,7 +183,8 @@ decisions! {
     LOOSE_JOINTS: [f64; 2] = [1.0, 0.1], "of the noise", Basis::Derived("from where a joint holds as well as a reading to where a jump cannot be read");
     /// ... and of one that stands for a single run.
     TIGHT_JOINTS: [f64; 4] = [1e-2, 1e-3, 1e-4, 1e-5], "of the noise", Basis::Derived("decades, down to the accuracy of the simulations");
-    /// A disturbance of the start that grows more than this over a record leaves a fit of single runs in doubt.
+    /// A disturbance of the start that grows more than this over a record leaves a fit of single runs in
+    /// doubt.
     FORGOTTEN: f64 = 30.0, "times", Basis::Judgement("such a run leaves its linear neighbourhood with a start that is wrong by a thirtieth of the motion");
     /// ... and where it grows more than this no single run stands for a chain.
     LOST: f64 = 1e6, "times", Basis::Derived("its square, the condition of the normal equations of such a run, leaves four digits of sixteen");
@@ -184,7 +192,8 @@ decisions! {
     CHAOTIC_MEAN: f64 = 6.0, "standard errors", Basis::Judgement("the standard error of a mean of a few turns is itself uncertain by half");
     /// ... and so is one of another size.
     CHAOTIC_SIZE: f64 = 2.0, "times the standard deviation", Basis::Judgement("a motion of twice the size is another one");
-    /// Stretches of the regression for each term that it starts a chain with, where there are fewer stretches than candidates.
+    /// Stretches of the regression for each term that it starts a chain with, where there are fewer stretches
+    /// than candidates.
     STRETCHES_PER_TERM: usize = 4, "stretches", Basis::Judgement("a regression with fewer follows the noise");
     /// Refits of a selection on a chain at most.
     CHAIN_REFITS: usize = 30, "refits", NUMERICS;
@@ -274,7 +283,8 @@ decisions! {
     START_SAMPLES: usize = 10, "samples", Basis::Judgement("a few for each state");
     /// Iterations and gain of the fit of a start state.
     START_MINIMUM: [f64; 2] = [20.0, 1e-9], "iterations, part of the cost", NUMERICS;
-    /// What a start that is not known better may add to the power of the residual; where it adds more, the start state takes twice as much of the record.
+    /// What a start that is not known better may add to the power of the residual; where it adds more, the
+    /// start state takes twice as much of the record.
     START_BLUR: f64 = 0.1, "power of the noise", BLIND;
     /// A free run worse than this is no model.
     WORST_NRMSE: f64 = 0.5, "NRMSE", Basis::Judgement("a quarter of the motion's power is missed");
@@ -286,7 +296,8 @@ decisions! {
     WORSE: f64 = 3.0, "times the NRMSE", PAPER;
     /// ... unless it is still below this.
     FINE_NRMSE: f64 = 0.05, "NRMSE", PAPER;
-    /// A Validate record whose coefficients chance puts so far from the fit less often than once in a hundred thousand disagrees.
+    /// A Validate record whose coefficients chance puts so far from the fit less often than once in a hundred
+    /// thousand disagrees.
     RARE: f64 = 4.265, "standard deviations", NORMAL;
     /// Iterations and gain of the fit of the coefficients to a Validate record.
     AGREEMENT_MINIMUM: [f64; 2] = [20.0, 1e-6], "iterations, part of the cost", NUMERICS;
@@ -323,7 +334,8 @@ decisions! {
     TRIAL_BASE_STEPS: usize = 1_000, "steps", BLIND;
     /// Steps for each sample of a trial model.
     TRIAL_STEPS: usize = 12, "steps", BLIND;
-    /// Steps for each sample of a trial model with memory: one that fades within a part of a sample looks like none.
+    /// Steps for each sample of a trial model with memory: one that fades within a part of a sample looks
+    /// like none.
     MEMORY_STEPS: usize = 4, "steps", BLIND;
     /// Local error of the simulations of a trial, and its upper limit.
     TRIAL_TOLERANCE: [f64; 2] = [1e-4, 1e-5], "part of the noise, part of the state's size", Basis::Derived("small against the noise, also where it adds up over a record");

@@ -70,7 +70,8 @@ pub(crate) fn lever(samples: usize) -> f64 {
     STEP * STEP * n * (n * n - 1.0) / 12.0
 }
 
-/// How much of its own value a sample of a line decides: by the mean of all, and by its distance from the middle.
+/// How much of its own value a sample of a line decides: by the mean of all, and by its distance from the
+/// middle.
 pub(crate) fn leverage(sample: usize, samples: usize) -> f64 {
     let n = samples as f64;
     1.0 / n + (STEP * (sample as f64 - 0.5 * (n - 1.0))).powi(2) / lever(samples)

@@ -8,7 +8,8 @@ use std::ops::ControlFlow;
 /// The true terms of the dictionary: x, y; x, y, x z; z, x y.
 const TRUE: [usize; 7] = [1, 2, 11, 12, 16, 23, 25];
 
-/// A record of Lorenz's motion: its start, its seconds, its noise, its role and the ratio that is 28 elsewhere.
+/// A record of Lorenz's motion: its start, its seconds, its noise, its role and the ratio that is 28
+/// elsewhere.
 fn motion(start: [f64; 3], duration: f64, noise: f64, role: &str, ratio: f64) -> String {
     let seed = if role == "Fit" { 1 } else { 501 };
     let [x, y, z] = start;
@@ -63,7 +64,8 @@ fn thirty_unknown_terms_of_a_chaotic_motion() {
     }
 }
 
-/// In twenty seconds one run still follows the record, but along it the numbers cannot be told from the start.
+/// In twenty seconds one run still follows the record, but along it the numbers cannot be told from the
+/// start.
 #[test]
 fn numbers_of_a_run_that_is_all_but_lost_have_error_bars() {
     let found = lorenz(20.0, 1.2753);
@@ -81,7 +83,8 @@ fn a_run_that_no_start_can_follow_is_judged_by_what_it_keeps() {
     assert_eq!((terms(&found), &found.verdict), (TRUE.to_vec(), &Verdict::Identified));
     let chaos = found.warnings.iter().find_map(|w| if let Warning::Chaotic(c) = w { Some(c) } else { None });
     let chaos = chaos.expect("a chaotic motion");
-    // The published exponent is 0.906 (Sprott, Chaos and Time-Series Analysis, 2003); over forty seconds it scatters.
+    // The published exponent is 0.906 (Sprott, Chaos and Time-Series Analysis, 2003); over forty seconds it
+    // scatters.
     assert!((chaos.exponent - 0.906).abs() < 0.25, "{chaos:?}");
 }
 

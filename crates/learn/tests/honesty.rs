@@ -237,7 +237,8 @@ fn stops_when_it_is_told_to() {
     }
 }
 
-/// A mass that is released comes to rest after a few swings; a fit with a swing more or less is a side minimum.
+/// A mass that is released comes to rest after a few swings; a fit with a swing more or less is a side
+/// minimum.
 #[test]
 fn a_released_mass_is_fitted_with_as_many_swings_as_it_makes() {
     let text = r#"(constants: {"m": 0.9247, "k": 3.717, "c": 0.06637}, states: {"x": "", "v": ""}, known: {"x": "v", "v": "(-k*x - c*v)/m"},
@@ -360,8 +361,8 @@ fn a_record_to_check_with_that_cannot_run_is_a_rejection() {
     assert!(found.records[0].worst() < 0.03 && found.terms[0].contribution.is_some());
 }
 
-/// One step ahead the model is good; left alone it runs away, and along a run that does not exist no term does
-/// anything.
+/// One step ahead the model is good; left alone it runs away, and along a run that does not exist no term
+/// does anything.
 #[test]
 fn a_fitted_record_that_cannot_run_freely_says_nothing_of_what_terms_do() {
     let text = oscillator(
@@ -420,9 +421,10 @@ fn a_constant_that_nothing_depends_on() {
     assert!((found.terms[0].coefficient.value - 0.4).abs() < 0.01);
 }
 
-/// Friction that feeds the motion, however well it follows the data, is a wrong model: damping that falls with the
-/// amplitude ends as a dashpot beside negative dry friction. Nothing of the kind is said of the same friction where
-/// it dissipates, of friction that falls with the speed, and of an oscillator that excites itself.
+/// Friction that feeds the motion, however well it follows the data, is a wrong model: damping that falls
+/// with the amplitude ends as a dashpot beside negative dry friction. Nothing of the kind is said of the same
+/// friction where it dissipates, of friction that falls with the speed, and of an oscillator that excites
+/// itself.
 #[test]
 fn dry_friction_that_feeds_the_motion_is_rejected() {
     let free = |unknown: &str, truth: &str| {
@@ -491,8 +493,8 @@ fn a_known_part_that_is_complete_is_identified() {
     assert!(!found.terms.is_empty() || rejected(&found), "{:?}", found.warnings);
 }
 
-/// Two tanks, one above the other, of which the lower one is seen: `sqrt(|h|)` has no finite slope at zero, where
-/// a state without a column starts.
+/// Two tanks, one above the other, of which the lower one is seen: `sqrt(|h|)` has no finite slope at zero,
+/// where a state without a column starts.
 fn tanks(rate: &str) -> (Case, Vec<Record>) {
     let text = format!(
         r#"(constants: {{"k1": Find(start: 0.1, within: (0.0, 1.0)), "k4": Find(start: 0.1, within: (0.0, 1.0))}}, states: {{"h1": "", "h2": ""}},

@@ -1,7 +1,7 @@
 //! The published stick-slip comparison (NN-CC, arXiv 2601.21720): positions only, stiffness, damping and
-//! friction unknown; root-mean-square error of the recovered force `c v + friction` over the velocities visited
-//! (above 0.01 in size). Published medians at 1 % and 10 % noise: SINDy 1.20 / 1.35, PySR 0.46 / 0.42, neural
-//! network 0.14 / 0.54, the right formula on smoothed derivatives 0.26 / 0.37.
+//! friction unknown; root-mean-square error of the recovered force `c v + friction` over the velocities
+//! visited (above 0.01 in size). Published medians at 1 % and 10 % noise: SINDy 1.20 / 1.35, PySR 0.46 /
+//! 0.42, neural network 0.14 / 0.54, the right formula on smoothed derivatives 0.26 / 0.37.
 //!
 
 //! `PHISINDY_SEEDS=30` runs what the README quotes; three seeds otherwise.

@@ -20,8 +20,8 @@ fn models() -> std::ops::Range<u64> {
     0..wanted.unwrap_or(MODELS)
 }
 
-/// A law as factor and candidates with their coefficients; `None` if it is not linear in them. What bends it is
-/// given.
+/// A law as factor and candidates with their coefficients; `None` if it is not linear in them. What bends it
+/// is given.
 fn dictionary(law: &Acting) -> Option<(String, Vec<(String, f64)>)> {
     let (x, v) = (format!("({})", law.place.named("x")), format!("({})", law.place.named("v")));
     let p = |name: &str| law.number(name);

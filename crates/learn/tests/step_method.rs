@@ -105,7 +105,8 @@ fn clean_data_give_the_exact_terms_with_radam() {
     }
 }
 
-/// On the same terms all three optimisers find the same minimum; the plain one needs rates that suit the loss.
+/// On the same terms all three optimisers find the same minimum; the plain one needs rates that suit the
+/// loss.
 #[test]
 fn optimisers_agree_on_the_minimum() {
     let (case, records) = common::load("case1a", &[CLEAN, ("unknown.y.candidates", r#"["1", "y"]"#)]);
@@ -285,8 +286,8 @@ fn stops_when_it_is_told_to() {
     assert!(found.stop_reason == StopReason::Interrupted && heard == 1 && found.stages.len() == 1);
 }
 
-/// What an epoch costs, without a clock: instructions of the loss and its gradient for one step. A change that
-/// makes it dearer is seen here.
+/// What an epoch costs, without a clock: instructions of the loss and its gradient for one step. A change
+/// that makes it dearer is seen here.
 #[test]
 fn the_loss_is_not_dearer_than_it_was() {
     for (name, most) in [("case1a", 109), ("case1b", 152), ("case7", 362)] {

@@ -21,8 +21,8 @@ fn name(case: &Case, term: usize) -> String {
     format!("{}:{}", case.system.states[term.state].name, term.candidate)
 }
 
-/// Terms are exactly these, parameters (by name) are right, all within four standard errors of the truth and no
-/// more than `part` of it away.
+/// Terms are exactly these, parameters (by name) are right, all within four standard errors of the truth and
+/// no more than `part` of it away.
 fn assert_found(
     case: &Case,
     found: &Identified,
@@ -75,8 +75,8 @@ fn every_case_of_the_paper() {
     }
 }
 
-/// Much noise makes the search begin with a term whose single run drifts, so the record is cut. Once the right
-/// terms are in, it has to be one run again: over segments the two logarithms cannot be told apart.
+/// Much noise makes the search begin with a term whose single run drifts, so the record is cut. Once the
+/// right terms are in, it has to be one run again: over segments the two logarithms cannot be told apart.
 #[test]
 fn a_record_is_whole_again_once_the_terms_are_found() {
     let noisy = [("data.0.noise", "Additive(0.2)"), ("data.0.seed", "44")];
@@ -359,8 +359,8 @@ fn a_belief_beforehand_weighs_as_a_measurement_does() {
     assert!((both.std_error / error * 2f64.sqrt() - 1.0).abs() < 0.15, "{data:?} {both:?}");
 }
 
-/// Additive noise is that of a sensor of the same standard deviation, whichever way the spec tells it; and half
-/// a record of a steady motion knows a root of two less.
+/// Additive noise is that of a sensor of the same standard deviation, whichever way the spec tells it; and
+/// half a record of a steady motion knows a root of two less.
 #[test]
 fn the_bound_hangs_on_the_noise_and_on_the_window() {
     let bound_of = |noise: &str, window: &str| {
@@ -391,9 +391,9 @@ fn the_bound_hangs_on_the_noise_and_on_the_window() {
     assert!((sensor / late - 1.0).abs() < 0.05, "{sensor} {late}");
 }
 
-/// Force pulses on a carriage with friction and no spring, which is pushed a little by what nobody measures: the
-/// position drifts, and a single run puts the drift into the numbers. In segments of the right length the fit knows
-/// them as well as the one-step method does.
+/// Force pulses on a carriage with friction and no spring, which is pushed a little by what nobody measures:
+/// the position drifts, and a single run puts the drift into the numbers. In segments of the right length the
+/// fit knows them as well as the one-step method does.
 #[test]
 fn a_carriage_that_drifts_is_fitted_in_short_segments() {
     let text = r#"(constants: {"M": (value: 95.0, unit: "kg", within: (40.0, 160.0))}, states: {"q": "m", "v": "m/s"}, inputs: {"F": "N"},
@@ -412,7 +412,8 @@ fn a_carriage_that_drifts_is_fitted_in_short_segments() {
     }
 }
 
-/// From accelerations alone: the second body breaks away for a moment, which start states that no column shows decide.
+/// From accelerations alone: the second body breaks away for a moment, which start states that no column
+/// shows decide.
 #[test]
 fn two_bodies_from_their_accelerations() {
     let outputs = r#"{ "a1": (unit: "m/s^2", reads: "rate(y1)"), "a2": (unit: "m/s^2", reads: "rate(y2)") }"#;

@@ -81,8 +81,8 @@ struct Said {
     unit: String,
 }
 
-/// The columns of a file and a spec for it; `wishes` is a list of `{ heading, role, unit }`, or nothing; `rate`
-/// is the number of rows per second, if the user says it.
+/// The columns of a file and a spec for it; `wishes` is a list of `{ heading, role, unit }`, or nothing;
+/// `rate` is the number of rows per second, if the user says it.
 pub(crate) fn look(path: &Path, name: &str, wishes: &Value, rate: Option<f64>) -> Value {
     let mut sources = Sources::default();
     let drafted = wished(wishes).and_then(|said| drafted(path, name, &said, rate, &mut sources));

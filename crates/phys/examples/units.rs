@@ -40,7 +40,8 @@ fn main() {
                 }
             }
             Ok(case) => {
-                // A coefficient has the unit that makes its term fit: here newtons, because the factor divides by the mass.
+                // A coefficient has the unit that makes its term fit: here newtons, because the factor
+                // divides by the mass.
                 for term in &case.system.terms {
                     let unit = term.unit.map_or("any unit".to_owned(), |unit| unit.to_string());
                     println!("  the coefficient of {:<4} is in {unit}", term.candidate);

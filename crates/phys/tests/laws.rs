@@ -27,7 +27,8 @@ fn catalogue() -> Vec<LawEntry> {
     BUILT_IN.iter().map(|(id, text)| LawEntry::read(id, text).expect("a law of the catalogue")).collect()
 }
 
-/// Force and rates of a law at random points, once as they are and once with some symbols turned: `(speed, values, turned)`.
+/// Force and rates of a law at random points, once as they are and once with some symbols turned: `(speed,
+/// values, turned)`.
 fn sampled(law: &Law, turned: &[Id]) -> Vec<(f64, Vec<f64>, Vec<f64>)> {
     let of = law.nodes();
     let roots: Vec<Id> = of.force.into_iter().chain(of.rates.iter().copied()).collect();
@@ -103,7 +104,8 @@ fn parity_and_dissipation_are_those_of_the_values() {
     }
 }
 
-/// What cannot be told is told of no force that a textbook knows: a change of this list is a change of the catalogue.
+/// What cannot be told is told of no force that a textbook knows: a change of this list is a change of the
+/// catalogue.
 #[test]
 fn the_catalogue_is_what_textbooks_say() {
     let laws = catalogue();

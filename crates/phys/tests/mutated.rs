@@ -1,4 +1,5 @@
-//! The project's own specs and laws, damaged at random: whatever is left of them is read or refused with a place, never worse. The long
+//! The project's own specs and laws, damaged at random: whatever is left of them is read or refused with a
+//! place, never worse. The long
 
 //! version of this is `fuzz/`.
 

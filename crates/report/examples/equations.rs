@@ -1,5 +1,5 @@
-//! A result as text: the equation in LaTeX with a table of coefficients, the number of figures of the report, and the
-//! identified model as a C program.
+//! A result as text: the equation in LaTeX with a table of coefficients, the number of figures of the report,
+//! and the identified model as a C program.
 //!
 //! ```text
 //! cargo run --release -p phisindy-report --example equations

@@ -18,8 +18,8 @@ const STANDS_OUT: f64 = 5.0;
 const STEPS_AT_MOST: f64 = 0.05;
 /// Steps over which a column is interpolated (told in words at `noise_level_at`).
 const GAP: f64 = 8.0;
-/// Where a larger part is filled the top of the spectrum is no longer that of the noise: the column stays as it is, and the
-/// level is too large rather than too small.
+/// Where a larger part is filled the top of the spectrum is no longer that of the noise: the column stays as
+/// it is, and the level is too large rather than too small.
 const MOST_FILLED: f64 = 0.1;
 /// Times that are farther off a grid, in steps, are not those of a sampler that lost some rows.
 const OFF_GRID: f64 = 0.1;
@@ -73,10 +73,10 @@ pub fn noise_level(values: &[f64]) -> f64 {
 
 /// The same at times of which some may be missing: rows that a logger has lost.
 ///
-/// A column without gaps, or with times on no grid, is as [`noise_level`] takes it. A gap of up to eight steps is
-/// filled by cubic interpolation, which holds the motion and none of the noise above it: the level is raised for that
-/// part of the samples. Longer gaps divide the column, and its longest piece counts. Where more than a tenth would be
-/// filled, the column stays as it is.
+/// A column without gaps, or with times on no grid, is as [`noise_level`] takes it. A gap of up to eight
+/// steps is filled by cubic interpolation, which holds the motion and none of the noise above it: the level
+/// is raised for that part of the samples. Longer gaps divide the column, and its longest piece counts. Where
+/// more than a tenth would be filled, the column stays as it is.
 ///
 /// ```
 /// let pattern = |i: u32| if i.wrapping_mul(2_654_435_769).count_ones() % 2 == 0 { 0.01 } else { -0.01 };
@@ -93,7 +93,8 @@ pub fn noise_level_at(time: &[f64], values: &[f64]) -> f64 {
     }
 }
 
-/// The longest piece of a column, its gaps filled, and how many of its samples are measured; none without gaps.
+/// The longest piece of a column, its gaps filled, and how many of its samples are measured; none without
+/// gaps.
 fn filled(time: &[f64], values: &[f64]) -> Option<(Vec<f64>, usize)> {
     let mut steps: Vec<f64> = time.windows(2).map(|t| t[1] - t[0]).collect();
     if steps.is_empty() || values.len() != time.len() || values.iter().any(|v| !v.is_finite()) {

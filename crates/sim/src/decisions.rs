@@ -96,10 +96,11 @@ decisions! {
 
     // Stiff rates.
 
-    /// Beyond this the last two stages of an explicit step tell of a mode that takes no part in the motion and
-    /// limits the step all the same.
+    /// Beyond this the last two stages of an explicit step tell of a mode that takes no part in the motion
+    /// and limits the step all the same.
     STIFF: f64 = 1.0, "step length times eigenvalue", Basis::Derived("a mode that takes part is resolved with less: the error estimate of a step is 0.0008 (h lambda)^5, which is a tolerance of 1e-4 at 0.6");
-    /// A larger error of an explicit step of a derivative of the run tells of a mode in which the state rests.
+    /// A larger error of an explicit step of a derivative of the run tells of a mode in which the state
+    /// rests.
     UNRESOLVED: f64 = 8e-4, "of the derivative", Basis::Derived("the error estimate 0.0008 (h lambda)^5 at STIFF");
     /// The border of the domain of stability of explicit steps.
     STABLE: f64 = 3.25, "step length times eigenvalue", Basis::Convention("Hairer, Wanner, Solving Ordinary Differential Equations II, IV.2");

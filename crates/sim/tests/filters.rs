@@ -20,8 +20,8 @@ fn filtered(reads: &str, filter: &str) -> (Vec<f64>, Vec<f64>) {
     (record.time.to_vec(), record.columns[case.system.column("a").expect("a")].clone().expect("a column"))
 }
 
-/// Real and imaginary part of the response of Butterworth's low-pass at the angular frequency `w`, from its poles;
-/// of the high-pass with the same cutoff, which mirrors the frequency.
+/// Real and imaginary part of the response of Butterworth's low-pass at the angular frequency `w`, from its
+/// poles; of the high-pass with the same cutoff, which mirrors the frequency.
 fn response(order: usize, cutoff: f64, w: f64, high: bool) -> (f64, f64) {
     let s = if high { -2.0 * PI * cutoff / w } else { w / (2.0 * PI * cutoff) };
     let (mut re, mut im) = (1.0, 0.0);

@@ -80,8 +80,8 @@ fn stop_stick_and_departure_with_coulomb_friction() {
     check("1a", &common::case_1a(), 20.0, 1e-6);
 }
 
-/// A chain couples neighbours alone: most derivatives are zero at first, and nothing may be left out when they no longer
-/// are, behind bodies that stick either. There are more columns than are advanced together.
+/// A chain couples neighbours alone: most derivatives are zero at first, and nothing may be left out when
+/// they no longer are, behind bodies that stick either. There are more columns than are advanced together.
 #[test]
 fn a_chain_of_bodies() {
     let bodies = 12;
@@ -350,8 +350,8 @@ fn stiffness_that_fades() {
     check_stiff("fading", &case, 6.0, 1e-6);
 }
 
-/// Bristles: stick, creep and slip without a switch. Where the velocity changes its sign the rates have a kink,
-/// which differences see a little late.
+/// Bristles: stick, creep and slip without a switch. Where the velocity changes its sign the rates have a
+/// kink, which differences see a little late.
 #[test]
 fn stiff_bristles() {
     let slip = "v - s0*abs(v)*z/(Fc + (Fs - Fc)*exp(-(v/vs)^2))";
@@ -373,8 +373,8 @@ fn stiff_bristles() {
     check_stiff("bristles", &case, 2.0, 1e-5);
 }
 
-/// Elastic contacts that slide one after the other, at any tolerance: the derivatives stay those of the run although the
-/// rates are stiff while they slide.
+/// Elastic contacts that slide one after the other, at any tolerance: the derivatives stay those of the run
+/// although the rates are stiff while they slide.
 #[test]
 fn contacts_that_slide_one_after_the_other() {
     let element = |spread: &str| format!("v*(1 - (pos(SLOT*sgn(v))*kt/(Fc*({spread})))^20)");

@@ -8,9 +8,9 @@ fn near(got: f64, want: f64, accuracy: f64) {
     assert!((got - want).abs() <= accuracy * want.abs(), "{got:e} instead of {want:e}");
 }
 
-/// Van der Pol's oscillator with mu = 1000, over a period and a half. The solution is that of the test set for
-/// initial value problems (F. Mazzia, C. Magherini, Test Set for Initial Value Problem Solvers, release 2.4, 2008),
-/// problem VDPOL, whose time is a thousandth of this one.
+/// Van der Pol's oscillator with mu = 1000, over a period and a half. The solution is that of the test set
+/// for initial value problems (F. Mazzia, C. Magherini, Test Set for Initial Value Problem Solvers, release
+/// 2.4, 2008), problem VDPOL, whose time is a thousandth of this one.
 #[test]
 fn van_der_pol() {
     let rate = "mu*(1 - x^2)*v - x";
@@ -22,8 +22,8 @@ fn van_der_pol() {
     assert!(run.implicit > 0 && run.steps + run.rejected < 2_000, "{} {}", run.steps, run.rejected);
 }
 
-/// Robertson's reactions, whose rate constants lie nine orders of magnitude apart, at t = 40 (E. Hairer, G. Wanner,
-/// Solving Ordinary Differential Equations II, IV.10).
+/// Robertson's reactions, whose rate constants lie nine orders of magnitude apart, at t = 40 (E. Hairer, G.
+/// Wanner, Solving Ordinary Differential Equations II, IV.10).
 #[test]
 fn robertson() {
     let states =
@@ -142,8 +142,8 @@ fn another_solver_agrees_on_bristles() {
     }
 }
 
-/// 10,000 samples in 10 s: work does not grow with the stiffness of the bristles. The counters may be lower, and 5 %
-/// higher. 80,000 evaluations of these rates are some hundredths of a second.
+/// 10,000 samples in 10 s: work does not grow with the stiffness of the bristles. The counters may be lower,
+/// and 5 % higher. 80,000 evaluations of these rates are some hundredths of a second.
 #[test]
 fn stiff_bristles_are_little_work() {
     for (bristles, tries, evaluations, factorisations) in [
@@ -162,8 +162,8 @@ fn stiff_bristles_are_little_work() {
     }
 }
 
-/// What is not stiff stays with explicit steps: an oscillator at a coarse tolerance, one with a fast mode in its
-/// motion, friction that is singular at rest.
+/// What is not stiff stays with explicit steps: an oscillator at a coarse tolerance, one with a fast mode in
+/// its motion, friction that is singular at rest.
 #[test]
 fn what_is_not_stiff_is_explicit() {
     let oscillator = Case::new(&[("x", 1.0, "v"), ("v", 0.0, "-x")], &[]);

@@ -1,5 +1,5 @@
-//! The table of atoms: functions of the displacement or of the velocity of a place, of which formulas are products
-//! and sums.
+//! The table of atoms: functions of the displacement or of the velocity of a place, of which formulas are
+//! products and sums.
 
 /// What an inner number of an atom is, which gives its unit and the values that are tried.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,8 +29,8 @@ pub(super) struct Atom {
     pub(super) unit: f64,
     /// Whether it is a factor of products of displacement and velocity too.
     pub(super) factor: bool,
-    /// The text of the atom that it becomes where its inner number has no say: a size that is large, a rate that is
-    /// small. Empty where it becomes constant, or has no such limit.
+    /// The text of the atom that it becomes where its inner number has no say: a size that is large, a rate
+    /// that is small. Empty where it becomes constant, or has no such limit.
     limit: &'static str,
     /// The same for a size that is small: a step.
     step: &'static str,

@@ -1,4 +1,5 @@
-//! The expansion of a smooth force about zero: what a linear or cubic model of the same rig would have for numbers.
+//! The expansion of a smooth force about zero: what a linear or cubic model of the same rig would have for
+//! numbers.
 
 use phisindy_expr::{Graph, Id, Node, Scratch, Tape, Unary};
 use phisindy_phys::Law;
@@ -6,8 +7,9 @@ use phisindy_phys::Law;
 /// The highest order.
 const ORDER: usize = 3;
 
-/// The terms of a law's force to third order in its displacement `x` and velocity `v`, with these parameters (SI), as
-/// `12*x - 3.1*x^3`. `None` for a polynomial, which is its own expansion, and for a force with a kink.
+/// The terms of a law's force to third order in its displacement `x` and velocity `v`, with these parameters
+/// (SI), as `12*x - 3.1*x^3`. `None` for a polynomial, which is its own expansion, and for a force with a
+/// kink.
 pub(crate) fn expansion(law: &Law, parameters: &[f64]) -> Option<String> {
     let of = law.nodes();
     let mut graph = of.graph.clone();

@@ -1,5 +1,5 @@
-//! The missing force without a formula: a spline of degree one over displacement, velocity or both, in the linear
-//! response. The number of knots and what it depends on are those of the least description length.
+//! The missing force without a formula: a spline of degree one over displacement, velocity or both, in the
+//! linear response. The number of knots and what it depends on are those of the least description length.
 
 use super::front::project;
 use crate::decisions::{
@@ -30,7 +30,8 @@ impl Knots {
         Knots(knots)
     }
 
-    /// Spline `k` at a value: 1 at its knot, 0 at the others. The one after the last is a step at zero, for friction.
+    /// Spline `k` at a value: 1 at its knot, 0 at the others. The one after the last is a step at zero, for
+    /// friction.
     fn hat(&self, k: usize, value: f64) -> f64 {
         if k == self.0.len() {
             return sign(value);
@@ -138,8 +139,8 @@ pub(super) fn missing_force(
     Some(Free { length: best.length, force, may_explain })
 }
 
-/// What a force depends on that displacement and velocity do not determine, where neither of these alone is enough: the
-/// past or the time, if forces of one of them are the shorter description.
+/// What a force depends on that displacement and velocity do not determine, where neither of these alone is
+/// enough: the past or the time, if forces of one of them are the shorter description.
 fn beyond(plains: &[Plain<'_>], at: &Kinematics, best: &Fit, count: usize) -> Option<Dependence> {
     let one = matches!(best.on, Dependence::Velocity | Dependence::Displacement);
     if !at.has_displacement() || (one && best.left.sqrt() < EXPLAINED) {
@@ -159,8 +160,8 @@ fn beyond(plains: &[Plain<'_>], at: &Kinematics, best: &Fit, count: usize) -> Op
 /// A force by record and sample.
 type Series = Vec<Vec<f64>>;
 
-/// Forces that remember: springs that slip at a deflection (Prandtl 1928, doi 10.1002/zamm.19280080202), of which any
-/// hysteresis that does not depend on the speed is a sum, and springs behind dashpots.
+/// Forces that remember: springs that slip at a deflection (Prandtl 1928, doi 10.1002/zamm.19280080202), of
+/// which any hysteresis that does not depend on the speed is a sum, and springs behind dashpots.
 fn remembering(at: &Kinematics) -> Vec<Series> {
     let mut sizes: Vec<f64> = at.displacement.iter().flatten().map(|x| x.abs()).collect();
     sizes.sort_unstable_by(f64::total_cmp);

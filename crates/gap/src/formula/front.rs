@@ -1,9 +1,9 @@
 //! The front of misfit against length: sums of shapes by a forward selection in the linear response.
 //!
-//! Description length (Rissanen 1978, doi 10.1016/0005-1098(78)90005-5), in units of twice the natural logarithm as BIC
-//! has it: the misfit of the response, `ln n` for each number, and for the expression itself the logarithm of the
-//! number of expressions with as many symbols: `2 ln S` for each symbol of an alphabet of `S`. That is also the price
-//! of the search, for no more expressions of a length than these were tried.
+//! Description length (Rissanen 1978, doi 10.1016/0005-1098(78)90005-5), in units of twice the natural
+//! logarithm as BIC has it: the misfit of the response, `ln n` for each number, and for the expression itself
+//! the logarithm of the number of expressions with as many symbols: `2 ln S` for each symbol of an alphabet
+//! of `S`. That is also the price of the search, for no more expressions of a length than these were tried.
 
 use super::atom::Inner;
 use super::scale::Scale;
@@ -116,7 +116,8 @@ impl<'a> Selection<'a> {
         let right: Vec<f64> = columns.iter().map(|c| dot(&c.rows, &self.target)).collect();
         let mut gram = Gram { rows: vec![None; columns.len()] };
         let mut kept: BTreeMap<Vec<usize>, Set> = BTreeMap::new();
-        // The best columns of each shape, then each with any other column, then the best of these with one more.
+        // The best columns of each shape, then each with any other column, then the best of these with one
+        // more.
         let mut beam = self.singles(&columns, &right);
         kept.extend(self.by_shapes(&beam, &columns));
         for _ in 1..self.grammar.terms {
@@ -159,7 +160,8 @@ impl<'a> Selection<'a> {
         by.chunk_by(|&a, &b| columns[a].shape == columns[b].shape).flat_map(of).collect()
     }
 
-    /// The best sets of different shapes, by these: of the same shapes with other inner numbers the best one counts.
+    /// The best sets of different shapes, by these: of the same shapes with other inner numbers the best one
+    /// counts.
     fn by_shapes(&self, sets: &[Set], columns: &[Column]) -> Vec<(Vec<usize>, Set)> {
         let mut best: BTreeMap<Vec<usize>, &Set> = BTreeMap::new();
         for set in sets {
@@ -271,8 +273,8 @@ impl<'a> Selection<'a> {
         self.left(gain) - self.cost(before) + numbers as f64 * self.rows.ln() + structure(symbols)
     }
 
-    /// A set with its inner numbers refined, each between its neighbours on the grid: the outer numbers are solved for
-    /// (variable projection, Golub and Pereyra 1973, doi 10.1137/0710036).
+    /// A set with its inner numbers refined, each between its neighbours on the grid: the outer numbers are
+    /// solved for (variable projection, Golub and Pereyra 1973, doi 10.1137/0710036).
     fn refined(&self, set: &Set, columns: &[Column]) -> Option<Entry> {
         let mut own = set.at.clone();
         own.sort_by_key(|&k| columns[k].shape);

@@ -64,8 +64,8 @@ impl Shape {
         all
     }
 
-    /// The shape with the atom of a quantity replaced by its limit, and the power of the inner number that becomes a
-    /// factor; `step`: the limit of a small size.
+    /// The shape with the atom of a quantity replaced by its limit, and the power of the inner number that
+    /// becomes a factor; `step`: the limit of a small size.
     pub(super) fn at_limit(&self, quantity: usize, step: bool) -> Option<(Shape, i32)> {
         let limit = match quantity {
             0 => self.displacement?.limit(DISPLACEMENT, step)?,

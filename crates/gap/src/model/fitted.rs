@@ -23,7 +23,8 @@ pub(crate) struct Fitted {
     /// Joint fit of Fit and Validate records, where it moves the parameters no further than their errors
     /// allow.
     joint: Option<Calibration>,
-    /// What the Validate records leave, where it is the error of the inputs between their samples; else empty.
+    /// What the Validate records leave, where it is the error of the inputs between their samples; else
+    /// empty.
     pub(crate) input_errors: Vec<ColumnError>,
 }
 
@@ -105,10 +106,11 @@ impl Fitted {
         delays.filter(|a| values(self, &a.names, &a.effect.start).iter().any(|v| *v < 0.0)).count()
     }
 
-    /// Joint fit of Fit and Validate records; `None` where it does not apply. It applies where Fit records leave only
-    /// noise, and the misfit on Validate records may come from errors of start states and parameters. The misfit does
-    /// come from them if the joint fit leaves only noise on all records, or the error of the inputs between their
-    /// samples, and chi^2 of the Fit records rises no more than chance allows (the predictive test of Chow 1960, doi
+    /// Joint fit of Fit and Validate records; `None` where it does not apply. It applies where Fit records
+    /// leave only noise, and the misfit on Validate records may come from errors of start states and
+    /// parameters. The misfit does come from them if the joint fit leaves only noise on all records, or the
+    /// error of the inputs between their samples, and chi^2 of the Fit records rises no more than chance
+    /// allows (the predictive test of Chow 1960, doi
     /// 10.2307/1910133). The calibration itself stays unchanged.
     fn together(&self, noise: &[Vec<f64>]) -> Option<Together> {
         self.only_noise_on_fit().filter(|_| !self.model.stop.requested())?;
@@ -181,8 +183,8 @@ impl Fitted {
         self
     }
 
-    /// The part of the sum of (residual / noise)^2 of a joint fit by which columns that leave the error of the inputs
-    /// exceed noise.
+    /// The part of the sum of (residual / noise)^2 of a joint fit by which columns that leave the error of
+    /// the inputs exceed noise.
     fn power_of_input_errors(&self, joint: &Calibration, noise: &[Vec<f64>]) -> f64 {
         let of = |error: &ColumnError| {
             let residuals = &joint.records[error.record].residuals;
@@ -193,8 +195,8 @@ impl Fitted {
         self.input_errors.iter().map(of).sum()
     }
 
-    /// Mean square difference of the residuals of this model and another one on the Fit records, in units of the
-    /// noise.
+    /// Mean square difference of the residuals of this model and another one on the Fit records, in units of
+    /// the noise.
     pub(crate) fn difference(&self, other: &Fitted, noise: &[Vec<f64>]) -> f64 {
         let (mut sum, mut count) = (0.0, 0usize);
         let records = other.cal.records.iter().zip(&self.cal.records).zip(noise);
@@ -258,7 +260,8 @@ impl Fitted {
     }
 }
 
-/// Values of movable constants, by name (SI). A constant with one value per record has that of the first record.
+/// Values of movable constants, by name (SI). A constant with one value per record has that of the first
+/// record.
 fn shared(
     model: &TrialModel,
     found: &[FoundParameter],

@@ -1,6 +1,6 @@
-//! What a model cannot know of its inputs: how they go between their samples. The error of the rule that draws them
-//! is how far a rule of higher order is from it (`Signal::finer`), carried through the model to the columns. A residual
-//! within it is no lack of the model.
+//! What a model cannot know of its inputs: how they go between their samples. The error of the rule that
+//! draws them is how far a rule of higher order is from it (`Signal::finer`), carried through the model to
+//! the columns. A residual within it is no lack of the model.
 
 use super::trial_model::TrialModel;
 use crate::decisions::{NOT_WHITE, REPEATS};
@@ -10,7 +10,8 @@ use phisindy_phys::Record;
 use phisindy_phys::spec::Role;
 use phisindy_signal::Signal;
 
-/// A column of a Validate record whose residual is no larger than the error of the inputs between their samples.
+/// A column of a Validate record whose residual is no larger than the error of the inputs between their
+/// samples.
 #[derive(Clone, Debug)]
 pub(crate) struct ColumnError {
     /// Index of the record.
@@ -23,9 +24,9 @@ pub(crate) struct ColumnError {
     pub(crate) open: f64,
 }
 
-/// The columns of Validate records that leave more than noise in these runs of a model, where each of them leaves no more
-/// than the error of the inputs; `None` where one leaves more, or no input is drawn between its samples. `model` starts
-/// at the numbers of the runs.
+/// The columns of Validate records that leave more than noise in these runs of a model, where each of them
+/// leaves no more than the error of the inputs; `None` where one leaves more, or no input is drawn between
+/// its samples. `model` starts at the numbers of the runs.
 pub(crate) fn input_errors(model: &TrialModel, runs: &[RecordFit]) -> Option<Vec<ColumnError>> {
     let mut all = Vec::new();
     for (r, (record, own)) in model.records.iter().zip(runs).enumerate() {
@@ -54,8 +55,8 @@ pub(crate) fn input_errors(model: &TrialModel, runs: &[RecordFit]) -> Option<Vec
     Some(all)
 }
 
-/// The record with its inputs drawn by a rule of higher order; `None` where no input has one, or where one is derived
-/// from another.
+/// The record with its inputs drawn by a rule of higher order; `None` where no input has one, or where one is
+/// derived from another.
 fn with_finer_inputs(record: &Record) -> Option<Record> {
     let finer: Vec<Option<Signal>> = record.inputs.iter().map(Signal::finer).collect();
     if !record.derivations.is_empty() || finer.iter().all(Option::is_none) {
@@ -75,8 +76,8 @@ fn rms(values: impl ExactSizeIterator<Item = f64>) -> f64 {
 mod tests {
     use crate::test_models::{fitted, model};
 
-    /// An oscillator whose force has five samples in its shortest period. `test` has other phases and no noise; `more`
-    /// is what acts on it there and the model lacks.
+    /// An oscillator whose force has five samples in its shortest period. `test` has other phases and no
+    /// noise; `more` is what acts on it there and the model lacks.
     fn rig(more: &str) -> String {
         let record = |name: &str, seed: usize, rest: &str| {
             format!(

@@ -1,9 +1,9 @@
-//! Noise that grows with the signal. Its level is no number of the column: a spectrum over the whole record tells
-//! that of the middle, a median that of most samples, and where a motion dies away both are far below what the first
-//! seconds have. The gap needs the root mean square along the record.
+//! Noise that grows with the signal. Its level is no number of the column: a spectrum over the whole record
+//! tells that of the middle, a median that of most samples, and where a motion dies away both are far below
+//! what the first seconds have. The gap needs the root mean square along the record.
 //!
-//! Differences of an odd, high order hold hardly any motion, and what they hold of an oscillation is out of phase with
-//! it. Their sizes are compared with the signal: `variance = a^2 + (s x)^2`.
+//! Differences of an odd, high order hold hardly any motion, and what they hold of an oscillation is out of
+//! phase with it. Their sizes are compared with the signal: `variance = a^2 + (s x)^2`.
 
 use crate::decisions::{NOISE_FORM, NOISE_GROUPS, NOISE_ORDER};
 use phisindy_signal::median;
@@ -19,8 +19,8 @@ pub(crate) struct GrowingNoise {
 }
 
 impl GrowingNoise {
-    /// Of noise in `values` that grows with `signal`; `None` where one number describes its level, or the two do
-    /// not.
+    /// Of noise in `values` that grows with `signal`; `None` where one number describes its level, or the two
+    /// do not.
     pub(crate) fn of(values: &[f64], signal: &[f64]) -> Option<GrowingNoise> {
         let weights = weights();
         let reach = weights.len();
@@ -59,8 +59,8 @@ impl GrowingNoise {
         let (least, largest) =
             groups.iter().fold((f64::INFINITY, 0.0_f64), |(a, b), g| (a.min(g.1), b.max(g.1)));
         let one_number = largest <= most * most * least;
-        // The median of a group in which the signal spans much is not that of its middle: the scale is that of
-        // single differences, where the signal is large.
+        // The median of a group in which the signal spans much is not that of its middle: the scale is that
+        // of single differences, where the signal is large.
         let upper = all[all.len() / 2..].iter().map(|(size, square)| square / (additive + relative * size));
         let scale = median(&mut upper.collect::<Vec<_>>()) / MEDIAN_SQUARE;
         // Of many small groups a few are off by chance.
@@ -76,8 +76,8 @@ impl GrowingNoise {
     }
 }
 
-/// Neighbours in size, at least `least` together: as many as make equal groups, or fewer where the size has grown
-/// fourfold. A motion that is short beside the rest after it has groups of its own.
+/// Neighbours in size, at least `least` together: as many as make equal groups, or fewer where the size has
+/// grown fourfold. A motion that is short beside the rest after it has groups of its own.
 fn grouped(all: &[(f64, f64)], least: usize) -> Vec<&[(f64, f64)]> {
     let most = all.len().div_ceil(NOISE_GROUPS).max(least);
     let (mut groups, mut from) = (Vec::new(), 0);
@@ -96,8 +96,8 @@ fn grouped(all: &[(f64, f64)], least: usize) -> Vec<&[(f64, f64)]> {
     groups
 }
 
-/// Both variances, from the level of each group, by least squares relative to the levels; `None` where the noise does
-/// not grow.
+/// Both variances, from the level of each group, by least squares relative to the levels; `None` where the
+/// noise does not grow.
 fn form(groups: &[(f64, f64)]) -> Option<(f64, f64)> {
     if groups.iter().any(|g| g.1 <= 0.0 || !g.1.is_finite() || !g.0.is_finite()) {
         return None;

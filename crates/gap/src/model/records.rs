@@ -6,8 +6,8 @@ use phisindy_phys::Record;
 use phisindy_phys::spec::Role;
 use phisindy_signal::{noise_level_at, standard_deviation};
 
-/// Noise of every measured column by record, from the spectrum above the motion: it needs no model. Of noise that
-/// grows with the signal it is the root mean square along the record.
+/// Noise of every measured column by record, from the spectrum above the motion: it needs no model. Of noise
+/// that grows with the signal it is the root mean square along the record.
 pub(crate) fn noise_of(records: &[Record]) -> Vec<Vec<f64>> {
     let growing = growing_noise(records, |r, k| records[r].columns[k].as_deref());
     let of = |record: &Record, k: usize| {
@@ -19,8 +19,9 @@ pub(crate) fn noise_of(records: &[Record]) -> Vec<Vec<f64>> {
     records.iter().map(|r| (0..r.columns.len()).filter_map(|k| of(r, k)).collect()).collect()
 }
 
-/// For each column how the noise of its sensor grows with the signal, by the first record that shows it; `values` are
-/// the column or what a model leaves of it. One that is short, or mostly at rest, does not show it.
+/// For each column how the noise of its sensor grows with the signal, by the first record that shows it;
+/// `values` are the column or what a model leaves of it. One that is short, or mostly at rest, does not show
+/// it.
 pub(crate) fn growing_noise<'a>(
     records: &[Record],
     values: impl Fn(usize, usize) -> Option<&'a [f64]>,

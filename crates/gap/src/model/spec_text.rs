@@ -37,8 +37,8 @@ impl Text {
     }
 }
 
-/// The spec's text with the effects of a model. Every number has its start value in the model. `inputs` says how
-/// the inputs go between their samples, if not as the spec has it.
+/// The spec's text with the effects of a model. Every number has its start value in the model. `inputs` says
+/// how the inputs go between their samples, if not as the spec has it.
 ///
 /// # Errors
 /// The text cannot hold an effect.

@@ -72,7 +72,8 @@ impl TrialModel {
         TrialModel { stop, ..self }
     }
 
-    /// The same model with the states that only outputs tell at rest where fits start; `None` if there are none.
+    /// The same model with the states that only outputs tell at rest where fits start; `None` if there are
+    /// none.
     pub(crate) fn at_rest(&self) -> Option<TrialModel> {
         let system = &self.system;
         if !self.records.iter().any(|r| phisindy_learn::reads_outputs(system, r)) {
@@ -340,7 +341,8 @@ impl TrialModel {
         self.records.iter().filter(|r| r.role == Role::Fit).count()
     }
 
-    /// Number of parameters of all effects; one of which each record has its own counts once for each Fit record.
+    /// Number of parameters of all effects; one of which each record has its own counts once for each Fit
+    /// record.
     pub(crate) fn size(&self) -> usize {
         self.effects.iter().map(|a| a.effect.size(self.fit_records())).sum()
     }

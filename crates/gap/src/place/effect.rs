@@ -111,8 +111,8 @@ impl Effect {
         self.entry.law.parameters.iter().map(|(_, p)| if p.each { records } else { 1 }).sum()
     }
 
-    /// The effect with a level of its own in each record: the first coefficient of its force. `None` if it acts on
-    /// a sensor, scales with a load, or has one already.
+    /// The effect with a level of its own in each record: the first coefficient of its force. `None` if it
+    /// acts on a sensor, scales with a load, or has one already.
     pub(crate) fn with_own_levels(&self) -> Option<Effect> {
         let &level = self.entry.law.linear_parameters().first()?;
         if self.load.is_some() || self.entry.law.parameters[level].1.each {
@@ -143,8 +143,8 @@ impl Effect {
             .collect()
     }
 
-    /// The name of each parameter's constant, if it is free. The delay of an input's sensor is that of its record: what acts
-    /// late was recorded early.
+    /// The name of each parameter's constant, if it is free. The delay of an input's sensor is that of its
+    /// record: what acts late was recorded early.
     pub(crate) fn constants(&self) -> Vec<String> {
         if self.is_input_delay() { vec!["delay".into()] } else { self.labels() }
     }

@@ -4,8 +4,9 @@ use super::{Place, Site};
 use phisindy_expr::{Binary, Graph, Id, Node, Unary};
 use phisindy_phys::System;
 
-/// The terms of the known rates of a place's bodies, as forces, in the language of the spec: springs and inputs, not
-/// constants (they are a part of the level) nor what depends on velocities alone (it is a damper already).
+/// The terms of the known rates of a place's bodies, as forces, in the language of the spec: springs and
+/// inputs, not constants (they are a part of the level) nor what depends on velocities alone (it is a damper
+/// already).
 pub(crate) fn known_forces(system: &System, place: &Place) -> Vec<String> {
     let Site::Force { acts, .. } = &place.site else { return vec![] };
     let mut system = system.clone();

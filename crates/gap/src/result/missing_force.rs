@@ -58,7 +58,7 @@ pub struct MissingForce {
     pub on: Dependence,
     /// What the best force of displacement and velocity leaves, rms in units of the noise.
     pub left: f64,
-    /// The curve, at the knots of a spline. A part in proportion to a constant of the model that may move is taken up by
-    /// that constant.
+    /// The curve, at the knots of a spline. A part in proportion to a constant of the model that may move is
+    /// taken up by that constant.
     pub points: Vec<ForcePoint>,
 }

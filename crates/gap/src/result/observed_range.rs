@@ -21,7 +21,8 @@ pub struct ObservedRange {
     pub factor: f64,
 }
 
-/// The ranges of the quantities that the force of an effect without memory depends on, along the runs of a model.
+/// The ranges of the quantities that the force of an effect without memory depends on, along the runs of a
+/// model.
 pub(crate) fn observed_ranges(fitted: &Fitted, applied: &Applied) -> Vec<ObservedRange> {
     let effect = &applied.effect;
     let Site::Force { displacement, velocity, .. } = &effect.place.site else { return vec![] };

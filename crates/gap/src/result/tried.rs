@@ -11,12 +11,13 @@ use std::fmt;
 pub struct Tried {
     /// Law and place.
     pub at: PlacedLaw,
-    /// How much the law lowers the criterion by itself: of the fit where it was fitted, else of the regression.
+    /// How much the law lowers the criterion by itself: of the fit where it was fitted, else of the
+    /// regression.
     pub score: f64,
     /// The gap that its fit leaves; `None` where others did so much better that it was not fitted.
     pub gap: Option<f64>,
-    /// The probability of the law among those that explain the records by themselves, all equally likely beforehand (G.
-    /// Schwarz 1978, doi 10.1214/aos/1176344136); `None` for a law that does not.
+    /// The probability of the law among those that explain the records by themselves, all equally likely
+    /// beforehand (G. Schwarz 1978, doi 10.1214/aos/1176344136); `None` for a law that does not.
     pub probability: Option<f64>,
     /// The evidence that rules it out.
     pub vetoed: Option<Veto>,
@@ -69,8 +70,9 @@ impl fmt::Display for WhyNot {
     }
 }
 
-/// Sets the probability of those that explain the records and are not ruled out: half the difference of the criterion is
-/// the logarithm of a ratio of likelihoods. Where none explains, the best of them may be far from right.
+/// Sets the probability of those that explain the records and are not ruled out: half the difference of the
+/// criterion is the logarithm of a ratio of likelihoods. Where none explains, the best of them may be far
+/// from right.
 pub(crate) fn weighed(all: &mut [Tried]) {
     let counts =
         |t: &Tried| t.gap.is_some_and(|gap| gap < EXPLAINED) && t.vetoed.is_none() && t.score.is_finite();

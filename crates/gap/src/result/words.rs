@@ -72,7 +72,8 @@ impl Display for MissingForce {
                 );
             }
         };
-        // The screen is exact near the data only, and one loop run through again and again hides what the past does.
+        // The screen is exact near the data only, and one loop run through again and again hides what the
+        // past does.
         write!(
             f,
             "along these records the missing force at {} follows {on}, to first order; no formula of it passes as a simulation, so the past, time or another place may play a part",

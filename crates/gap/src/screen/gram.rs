@@ -10,8 +10,8 @@ const BLOCK: usize = 512;
 /// Partial sums of a product.
 const LANES: usize = 8;
 
-/// The inner products of columns of equal length: rows are those of `a`, columns those of `b`. For a few columns of `b`,
-/// of which a general product of matrices makes a wide one.
+/// The inner products of columns of equal length: rows are those of `a`, columns those of `b`. For a few
+/// columns of `b`, of which a general product of matrices makes a wide one.
 pub(super) fn products(a: &[&[f64]], b: &[&[f64]]) -> Mat<f64> {
     let rows = a.iter().chain(b).map(|column| column.len()).next().unwrap_or(0);
     let mut sums = vec![[0.0; LANES]; a.len() * b.len()];

@@ -61,7 +61,8 @@ pub(super) fn grids(
             all.iter().flat_map(|g| values.iter().map(|v| g.iter().copied().chain([*v]).collect())).collect();
         all.truncate(GRID_VALUES);
     }
-    // Where the law's own condition does not hold, a start would be moved, and the regression would say nothing of it.
+    // Where the law's own condition does not hold, a start would be moved, and the regression would say
+    // nothing of it.
     if memory {
         let law = &effect.entry.law;
         let holds = |grid: &Vec<f64>| {
@@ -100,8 +101,8 @@ fn missing_tones(data: &RegressionData, state: usize, n: usize, factor: &[f64]) 
 }
 
 impl Ranges {
-    /// The grid values of one parameter, `count` of them where its scale does not say how many. `memory`: its law
-    /// has internal states.
+    /// The grid values of one parameter, `count` of them where its scale does not say how many. `memory`: its
+    /// law has internal states.
     fn axis(&self, axis: &Axis, count: usize, memory: bool) -> Vec<f64> {
         let of = |parts: &[f64], top: f64| parts.iter().map(|q| q * top).collect();
         let negative = axis.within.0 < 0.0;
@@ -155,7 +156,8 @@ fn geometric(first: f64, last: f64, count: usize) -> Vec<f64> {
     (0..=steps).map(|k| first * (last / first).powf(k as f64 / steps as f64)).collect()
 }
 
-/// Numbers between bounds: in a constant ratio where both are positive, else in equal steps. Far bounds say nothing.
+/// Numbers between bounds: in a constant ratio where both are positive, else in equal steps. Far bounds say
+/// nothing.
 fn between((low, high): (f64, f64), count: usize) -> Vec<f64> {
     if low == high {
         return vec![low];

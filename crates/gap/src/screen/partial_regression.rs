@@ -1,5 +1,5 @@
-//! The linear regression in which any force can be tried: the motion at a place, the linear response to a force
-//! there, and the free columns that are projected out of it (Frisch, Waugh and Lovell).
+//! The linear regression in which any force can be tried: the motion at a place, the linear response to a
+//! force there, and the free columns that are projected out of it (Frisch, Waugh and Lovell).
 
 use super::free_columns::{FreeColumns, Movable};
 use super::regression_data::{Base, RegressionData};
@@ -26,7 +26,8 @@ pub(crate) struct PartialRegression {
     basis: Vec<Vec<f64>>,
     triangle: Vec<Vec<f64>>,
     movable: Vec<Movable>,
-    /// What the known part leaves, in units of the noise, without its projection; and its part along the basis.
+    /// What the known part leaves, in units of the noise, without its projection; and its part along the
+    /// basis.
     target: Vec<f64>,
     along: Vec<f64>,
 }
@@ -65,8 +66,8 @@ pub(crate) struct Response {
 }
 
 impl PartialRegression {
-    /// For the Fit records of a model fitted to `fitted`. `along_runs`: the motion is that of the runs of `fitted`
-    /// rather than the measured one. `None` if the known rates cannot be evaluated along the data.
+    /// For the Fit records of a model fitted to `fitted`. `along_runs`: the motion is that of the runs of
+    /// `fitted` rather than the measured one. `None` if the known rates cannot be evaluated along the data.
     pub(crate) fn new(
         model: &TrialModel,
         fitted: &Calibration,
@@ -163,8 +164,8 @@ impl PartialRegression {
         all.into_iter().all(|v| v.is_finite()).then_some(out)
     }
 
-    /// The response to a force (by record and sample). `sticks`: friction there holds what rests, so that other
-    /// forces act on what moves only.
+    /// The response to a force (by record and sample). `sticks`: friction there holds what rests, so that
+    /// other forces act on what moves only.
     pub(crate) fn response(&self, at: &Kinematics, force: &[Vec<f64>], sticks: bool) -> Option<Response> {
         let mut column = Vec::new();
         for (r, data) in self.data.iter().enumerate() {

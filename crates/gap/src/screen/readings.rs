@@ -5,7 +5,8 @@ use crate::motion::Motion;
 use phisindy_expr::{Id, Tape};
 use phisindy_phys::System;
 
-/// A tape of what the outputs read, and its derivatives by states, by the rates that they read, by parameters.
+/// A tape of what the outputs read, and its derivatives by states, by the rates that they read, by
+/// parameters.
 pub(super) struct OutputTape {
     tape: Tape,
     /// The states whose rates are read.

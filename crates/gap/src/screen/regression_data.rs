@@ -138,7 +138,8 @@ impl Base {
             still.push(PlaceAtRest { at: place.at.clone(), rests, stuck_state });
         }
         // A body at rest loses the memory of its motion. The linear system must decay as well, or it carries
-        // errors from before a stop past it. So must one that nothing holds, or it sums up small errors of forces.
+        // errors from before a stop past it. So must one that nothing holds, or it sums up small errors of
+        // forces.
         let has_stops = still.iter().any(|s| s.rests.iter().filter(|r| **r).count() * RESTS > samples);
         let forgets = has_stops || drifts(&a, n, motion.period);
         let decay = shift(&a, n, span).max(if forgets { FORGETS_PER_PERIOD / motion.period } else { 0.0 });
@@ -182,8 +183,8 @@ fn bracket(rates: &[f64], a: &[f64], states: &[f64], n: usize) -> Vec<f64> {
     rates.iter().enumerate().map(row).collect()
 }
 
-/// Friction of the model balances the other forces on two bodies, or on one, while they rest against each other: takes
-/// what would part them out of their rates. `inertia` is that of a state at a sample.
+/// Friction of the model balances the other forces on two bodies, or on one, while they rest against each
+/// other: takes what would part them out of their rates. `inertia` is that of a state at a sample.
 fn balance(
     rates: &mut [f64],
     n: usize,

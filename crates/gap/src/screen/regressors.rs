@@ -46,8 +46,8 @@ impl Axis {
         self.within.0 < self.within.1
     }
 
-    /// The values below and above one, apart by a part of the step of a coarse grid: a factor of four, or an eighth of
-    /// the range of a number that may be zero.
+    /// The values below and above one, apart by a part of the step of a coarse grid: a factor of four, or an
+    /// eighth of the range of a number that may be zero.
     pub(super) fn beside(&self, value: f64, part: f64) -> [f64; 2] {
         let (low, high) = self.within;
         let factor = 4f64.powf(part);
@@ -97,8 +97,8 @@ enum Back {
     Direct(Vec<Result<usize, usize>>),
     /// Expressions of c1, c2, ... and the grid values.
     Formulas(Tape),
-    /// Of a law with memory: each parameter is a coefficient or a grid value, which the coefficient of the whole
-    /// force scales with a power of its own.
+    /// Of a law with memory: each parameter is a coefficient or a grid value, which the coefficient of the
+    /// whole force scales with a power of its own.
     Scaled(Vec<Scaled>),
 }
 
@@ -112,8 +112,8 @@ enum Scaled {
 }
 
 impl Regressors {
-    /// The regressors of an effect in a system. `None` for an effect on sensors and for a law that uses names which
-    /// the system does not have.
+    /// The regressors of an effect in a system. `None` for an effect on sensors and for a law that uses names
+    /// which the system does not have.
     pub(super) fn new(effect: &Effect, system: &System) -> Option<Regressors> {
         let Site::Force { displacement, velocity, .. } = &effect.place.site else { return None };
         let law = &effect.entry.law;
@@ -202,11 +202,11 @@ impl Regressors {
         self.back = Back::Direct((0..parameters.len()).map(of).collect());
     }
 
-    /// For a law with memory and no `screen` entry. Parameters that scale a part of the force and enter no rate are
-    /// coefficients. The others are on the grid. What is left of the force has one coefficient, its scale: a law of
-    /// mechanics keeps its form when all its forces grow by one factor (Buckingham 1914, doi 10.1103/PhysRev.4.345),
-    /// so the first parameter that holds a force is 1 on the grid, in units of the motion, and the others are
-    /// relative to it.
+    /// For a law with memory and no `screen` entry. Parameters that scale a part of the force and enter no
+    /// rate are coefficients. The others are on the grid. What is left of the force has one coefficient, its
+    /// scale: a law of mechanics keeps its form when all its forces grow by one factor (Buckingham 1914, doi
+    /// 10.1103/PhysRev.4.345), so the first parameter that holds a force is 1 on the grid, in units of the
+    /// motion, and the others are relative to it.
     fn with_memory(&mut self, law: &Law, force: Id, parameters: &[Id]) {
         let rates: Vec<Id> = self.internal.iter().map(|(_, rate)| *rate).collect();
         let outside: Vec<usize> =
@@ -285,15 +285,15 @@ impl Regressors {
         all.iter().all(|v| v.is_finite()).then_some(all)
     }
 
-    /// The place among these coefficients, of columns `at` (counted from 1), of the most negative one that is a parameter of
-    /// zero or more.
+    /// The place among these coefficients, of columns `at` (counted from 1), of the most negative one that is
+    /// a parameter of zero or more.
     pub(super) fn wrong_sign(&self, at: &[usize], coefficients: &[f64]) -> Option<usize> {
         let wrong = |&k: &usize| self.positive.contains(&(at[k] - 1)) && coefficients[k] < 0.0;
         (0..at.len()).filter(wrong).min_by(|&a, &b| coefficients[a].total_cmp(&coefficients[b]))
     }
 
-    /// Whether these columns (counted from 1) are those of a simpler law, which is tried by itself: one part alone of a law
-    /// without memory.
+    /// Whether these columns (counted from 1) are those of a simpler law, which is tried by itself: one part
+    /// alone of a law without memory.
     pub(super) fn is_simpler(&self, at: &[usize]) -> bool {
         let parts = at.iter().filter(|k| **k <= self.columns.len()).count();
         parts < if self.internal.is_empty() { 2 } else { 1 }

@@ -30,8 +30,8 @@ pub(super) fn sensor_trials(effect: &Effect, columns: &[usize], data: &[Regressi
     vec![Trial { effect: effect.clone(), grid: vec![], columns: vec![column] }]
 }
 
-/// Gain or delay of inputs: what a small change of it does to the rates and to the outputs. The number of a delay is that
-/// of the record, so that a positive one acts early.
+/// Gain or delay of inputs: what a small change of it does to the rates and to the outputs. The number of a
+/// delay is that of the record, so that a positive one acts early.
 pub(super) fn input_trials(
     effect: &Effect,
     inputs: &[usize],
@@ -118,8 +118,8 @@ impl<'a> ForceTrials<'a> {
         all
     }
 
-    /// The law near a combination of grid values: each value in turn is moved down and up by a part of the distance to
-    /// its neighbours.
+    /// The law near a combination of grid values: each value in turn is moved down and up by a part of the
+    /// distance to its neighbours.
     pub(super) fn around(&self, grid: &[f64], part: f64) -> Vec<Trial> {
         let moved = |(k, axis): (usize, &Axis)| {
             let of = |value: f64| {
@@ -138,8 +138,8 @@ impl<'a> ForceTrials<'a> {
 /// A column with a larger number is that of an internal state that grew without bound. Its square is finite.
 const LARGEST: f64 = 1e100;
 
-/// Combinations of grid values whose internal states run side by side: a law with memory is followed step by step, and one
-/// instruction serves them all.
+/// Combinations of grid values whose internal states run side by side: a law with memory is followed step by
+/// step, and one instruction serves them all.
 const LANES: usize = 16;
 
 /// The rates that a law adds to its bodies, compiled.
@@ -183,8 +183,8 @@ impl Program {
         Some(Program { tape, inner, states: internal.len(), count: regressors.columns.len() })
     }
 
-    /// Internal states along the motion of each record, for up to [`LANES`] combinations of grid values: samples by
-    /// record, combination and state.
+    /// Internal states along the motion of each record, for up to [`LANES`] combinations of grid values:
+    /// samples by record, combination and state.
     fn memory(&self, data: &[RegressionData], grids: &[Vec<f64>]) -> Vec<Vec<Vec<Vec<f64>>>> {
         let of = |data: &RegressionData| match &self.inner {
             Some(tape) => driven_by(tape, self.states, &data.motion, grids),

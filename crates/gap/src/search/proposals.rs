@@ -81,8 +81,9 @@ impl Search<'_> {
             .collect()
     }
 
-    /// The model with each of its effects replaced by a law that contains it, or by the same law or a simpler relative
-    /// with a level of its own in each record: one curve for all records may stand for levels that differ.
+    /// The model with each of its effects replaced by a law that contains it, or by the same law or a simpler
+    /// relative with a level of its own in each record: one curve for all records may stand for levels that
+    /// differ.
     pub(crate) fn richer(&self, model: &TrialModel, now: &Fitted) -> Vec<TrialModel> {
         let effects = current(now);
         let base = model.without_effects();
@@ -141,9 +142,9 @@ impl Search<'_> {
             .collect()
     }
 
-    /// The laws with memory where the leader of some fits, which has memory and does not explain the records, acts:
-    /// each from the starts with the lowest segment costs. Segments whose memory starts anew fit nearly any of these
-    /// laws, so their costs do not decide.
+    /// The laws with memory where the leader of some fits, which has memory and does not explain the records,
+    /// acts: each from the starts with the lowest segment costs. Segments whose memory starts anew fit nearly
+    /// any of these laws, so their costs do not decide.
     pub(crate) fn with_memory(
         &self,
         model: &TrialModel,
@@ -245,8 +246,8 @@ pub(crate) fn singles(screening: &Screening) -> Vec<&Candidate> {
     chosen
 }
 
-/// Whether a law may stand for two simple ones: it has as many parameters as two laws of one, or is the sum of
-/// two laws.
+/// Whether a law may stand for two simple ones: it has as many parameters as two laws of one, or is the sum
+/// of two laws.
 pub(crate) fn is_composed(effect: &Effect) -> bool {
     effect.entry.law.parameters.len() >= 2 || !effect.entry.law.same_as.is_empty()
 }

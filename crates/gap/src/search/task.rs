@@ -45,7 +45,8 @@ struct Told<'a> {
     round: RoundStart,
 }
 
-/// How much of a round a step of it is shown as: of what is left of the round, for nobody knows how many will follow.
+/// How much of a round a step of it is shown as: of what is left of the round, for nobody knows how many will
+/// follow.
 const STRIDE: f64 = 0.02;
 /// The part of a search that one more effect is, and where the search ends.
 pub(crate) const ROUND: f64 = 0.8 / (MOST_EFFECTS + 1) as f64;
@@ -54,8 +55,8 @@ pub(crate) const SEARCHED: f64 = 0.92;
 const ASKS: Duration = Duration::from_millis(100);
 
 impl<'a> Observer<'a> {
-    /// Does some work with an observer that tells of the progress, and tells the last of it again and again while a step
-    /// takes long: so that a wish to end is heard.
+    /// Does some work with an observer that tells of the progress, and tells the last of it again and again
+    /// while a step takes long: so that a wish to end is heard.
     pub(crate) fn during<T>(tell: &'a mut Tell<'a>, work: impl FnOnce(&Observer<'a>) -> T) -> T {
         let told = Mutex::new(Told { tell, last: None, round: RoundStart::default() });
         let observer = Observer { told, stop: Stop::default() };
@@ -91,8 +92,8 @@ impl<'a> Observer<'a> {
 }
 
 impl Told<'_> {
-    /// Takes up what is told. What it says of the part that is done is where its round begins; each step after that goes
-    /// a little further, up to the next one.
+    /// Takes up what is told. What it says of the part that is done is where its round begins; each step
+    /// after that goes a little further, up to the next one.
     fn advance(&mut self, progress: Option<(f64, Activity)>) {
         let Some((begin, what)) = progress else { return };
         if let Activity::Screening(round) = what {

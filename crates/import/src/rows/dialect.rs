@@ -93,8 +93,8 @@ impl Dialect {
         fields
     }
 
-    /// The fields of a row below a heading of so many: behind a trailing separator stands the last value, if it is missing.
-    /// (Without an end of line the file is cut off.)
+    /// The fields of a row below a heading of so many: behind a trailing separator stands the last value, if
+    /// it is missing. (Without an end of line the file is cut off.)
     pub(crate) fn fields_of(&self, line: &Line, width: usize) -> Vec<Range<usize>> {
         let (text, mut fields) = (&line.text, self.fields(&line.text));
         let trailing =

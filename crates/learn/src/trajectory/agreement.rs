@@ -1,7 +1,7 @@
-//! Agreement of records. The coefficients and shared constants of a fit are fitted again to each Validate record
-//! alone. A wrong model puts its error into these numbers, so another motion gives other numbers. What they differ by
-//! beyond their errors is the scatter between records (R. DerSimonian and N. Laird, Controlled Clinical Trials 7
-//! (1986) 177-188): an error that no fit to one record shows.
+//! Agreement of records. The coefficients and shared constants of a fit are fitted again to each Validate
+//! record alone. A wrong model puts its error into these numbers, so another motion gives other numbers. What
+//! they differ by beyond their errors is the scatter between records (R. DerSimonian and N. Laird, Controlled
+//! Clinical Trials 7 (1986) 177-188): an error that no fit to one record shows.
 
 use crate::decisions::{AGREEMENT_DAMPING, AGREEMENT_MINIMUM, DENSE, RARE};
 use crate::least_squares::{Limits, Normal};
@@ -24,8 +24,8 @@ use phisindy_phys::{Record, System};
 pub(crate) struct Agreement {
     /// One for each record that differs by more than chance.
     pub(crate) warnings: Vec<Warning>,
-    /// For the first unknowns of the fit, coefficients and shared constants, the variance between records where any
-    /// differs by more than chance; empty where none does.
+    /// For the first unknowns of the fit, coefficients and shared constants, the variance between records
+    /// where any differs by more than chance; empty where none does.
     pub(crate) scatter: Vec<f64>,
 }
 
@@ -36,8 +36,8 @@ struct Compared {
     warning: Option<Warning>,
 }
 
-/// Compares the numbers of the fit with those of each Validate record. `cov` is the covariance of the unknowns of
-/// the fit, `chains` are those of records whose motion forgets its start.
+/// Compares the numbers of the fit with those of each Validate record. `cov` is the covariance of the
+/// unknowns of the fit, `chains` are those of records whose motion forgets its start.
 pub(crate) fn disagreements(
     fit: &Fit<'_>,
     cov: &Mat<f64>,

@@ -1,5 +1,5 @@
-//! Calibration: parameters of a known model fitted to records whose noise is known. The gap workflow calls this
-//! for every trial.
+//! Calibration: parameters of a known model fitted to records whose noise is known. The gap workflow calls
+//! this for every trial.
 
 use crate::decisions::{
     ASTRAY, FAR_GAIN, LIKELIHOOD_GAIN, MEMORY_STEPS, MISFIT, QUICK_SEGMENTS, QUICK_SINGLE, RESTART_MINIMUM,
@@ -45,9 +45,9 @@ pub struct Calibration {
     pub hopeless: bool,
 }
 
-/// Fits what may move in `system` (its parameters, sensors and start states; no dictionary) to the Fit records,
-/// each column weighted by its `noise` (standard deviation in SI, by record and measured column), and runs all records
-/// freely. `smooth` are the records with smoothed samples of every state, to start from.
+/// Fits what may move in `system` (its parameters, sensors and start states; no dictionary) to the Fit
+/// records, each column weighted by its `noise` (standard deviation in SI, by record and measured column),
+/// and runs all records freely. `smooth` are the records with smoothed samples of every state, to start from.
 ///
 /// With [`Effort::Errors`] the parameters come with 95 % intervals (sandwich covariance, stretched where
 /// residuals are correlated, profile likelihood).
@@ -64,8 +64,8 @@ pub fn calibrate(
     calibrate_from(None, system, records, smooth, noise, effort, &Stop::default())
 }
 
-/// As [`calibrate`], from where a fit over segments of the same model and records has ended. After `stop` is requested it
-/// ends with the best point found so far, or without a result.
+/// As [`calibrate`], from where a fit over segments of the same model and records has ended. After `stop` is
+/// requested it ends with the best point found so far, or without a result.
 ///
 /// # Errors
 /// As [`calibrate`].
@@ -130,7 +130,8 @@ pub fn calibrate_from(
     })
 }
 
-/// Fits over fewer and fewer segments, each stage from where the one before ended. Returns the last two stages.
+/// Fits over fewer and fewer segments, each stage from where the one before ended. Returns the last two
+/// stages.
 ///
 /// # Errors
 /// No stage can be simulated; the error is that of the last one. Or it is beaten.
@@ -156,8 +157,8 @@ fn stages<'a>(
     best.map(|best| (best, before)).ok_or_else(|| trouble.expect("a fit without a stage has failed in one"))
 }
 
-/// Tries other starts of single runs: where the spec starts, where the smoothed motion starts, and, if the fit
-/// still misses, from segments in smaller steps.
+/// Tries other starts of single runs: where the spec starts, where the smoothed motion starts, and, if the
+/// fit still misses, from segments in smaller steps.
 fn from_other_starts(
     setup: &Setup<'_>,
     problem: &Problem<'_>,
@@ -278,8 +279,9 @@ fn step_by_step(system: &System, setup: &Setup<'_>, samples: usize, parted: Stag
     Some(stage.x)
 }
 
-/// Integration steps that a trial may take. Friction that grows with speed near rest creeps without end, and is
-/// wrong. A memory that fades within a fraction of a sample cannot be told from none, and takes many steps.
+/// Integration steps that a trial may take. Friction that grows with speed near rest creeps without end, and
+/// is wrong. A memory that fades within a fraction of a sample cannot be told from none, and takes many
+/// steps.
 fn budget(problem: &Problem<'_>) -> usize {
     let longest = problem.segments.iter().map(|s| s.samples.1 - s.samples.0).max().unwrap_or(0);
     let states = &problem.system.states;
@@ -303,16 +305,16 @@ fn tolerance(problem: &Problem<'_>, noise: &Noise, [of_noise, of_size]: [f64; 2]
     (of_noise * parts.fold(f64::INFINITY, f64::min)).clamp(TOLERANCE, of_size)
 }
 
-/// The range of chi^2 per sample in which [`Effort::Thorough`] tries other starts. Below it there is nothing to
-/// gain, above it the model is wrong.
+/// The range of chi^2 per sample in which [`Effort::Thorough`] tries other starts. Below it there is nothing
+/// to gain, above it the model is wrong.
 pub const RESTART_RANGE: std::ops::Range<f64> = MISFIT..WRONG_MODEL;
 /// Above this cost a fit ends at smaller gains: the model is wrong, and more digits do not help.
 fn far(samples: usize) -> (f64, f64) {
     (WRONG_MODEL * samples as f64, FAR_GAIN)
 }
 
-/// Fits from another start and keeps the better end; skips starts that cost more than [`RESTART_PROMISE`] times
-/// the current fit. A run through stops has local minima: with one stop more or less the cost jumps.
+/// Fits from another start and keeps the better end; skips starts that cost more than [`RESTART_PROMISE`]
+/// times the current fit. A run through stops has local minima: with one stop more or less the cost jumps.
 fn try_start(
     problem: &Problem<'_>,
     x: &mut Vec<f64>,
@@ -355,8 +357,8 @@ fn on_the_data(problem: &Problem<'_>, x: &[f64], noise: &Noise, smooth: &[Record
     elsewhere.then_some(out)
 }
 
-/// A start near the end of a fit: every unknown is moved by [`RESTART_REACH`] standard errors of the misfit, up
-/// or down.
+/// A start near the end of a fit: every unknown is moved by [`RESTART_REACH`] standard errors of the misfit,
+/// up or down.
 fn nearby(
     problem: &Problem<'_>,
     x: &[f64],
@@ -387,8 +389,8 @@ fn nearby(
 pub enum Effort {
     /// One fit, through shorter segments to single runs.
     Plain,
-    /// The same for a rival of a fitted model. Where its segments leave more, its single runs do too: they get a few
-    /// steps, so that it is known how far behind they are, or none.
+    /// The same for a rival of a fitted model. Where its segments leave more, its single runs do too: they
+    /// get a few steps, so that it is known how far behind they are, or none.
     Rival {
         /// Whether its single runs are asked for where it is hopeless; else the fit fails there.
         runs: bool,
@@ -410,9 +412,9 @@ pub struct SegmentFit {
     x: Vec<f64>,
 }
 
-/// chi^2 per sample of the Fit records over many short segments, after a few iterations of a fit. `None` if the
-/// model cannot be simulated. Ranks trials: those far behind need no full fit. Only every `stride`-th segment
-/// counts; 1 uses all of them.
+/// chi^2 per sample of the Fit records over many short segments, after a few iterations of a fit. `None` if
+/// the model cannot be simulated. Ranks trials: those far behind need no full fit. Only every `stride`-th
+/// segment counts; 1 uses all of them.
 pub fn segment_cost(
     system: &System,
     records: &[Record],
@@ -441,8 +443,8 @@ pub fn segment_fit(
     cost_after_few_iterations(problem, &noise, &starts, QUICK_SEGMENTS)
 }
 
-/// As [`segment_cost`], but over single runs from the start of `smooth`: for a model that is nearly right and comes
-/// to rest, which segments would not show.
+/// As [`segment_cost`], but over single runs from the start of `smooth`: for a model that is nearly right and
+/// comes to rest, which segments would not show.
 pub fn single_run_cost(
     system: &System,
     records: &[Record],

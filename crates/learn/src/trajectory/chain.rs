@@ -1,10 +1,10 @@
 //! A record as a chain of short runs whose joints are tightened: the fit of motion that forgets its start.
 //!
-//! Where neighbouring motions diverge, the cost of one long run has a minimum in every ripple. Over a segment so short
-//! that a disturbance hardly grows the motion is nearly linear in its start and in all coefficients, and a penalty on
-//! the jumps between segments, tightened in steps, leads to the one run without leaving the basin (multiple shooting:
-//! Bock, 1983; soft continuity: Ribeiro et al., Automatica 121 (2020) 109158). Start states couple to their neighbours
-//! alone, so the work grows with their number.
+//! Where neighbouring motions diverge, the cost of one long run has a minimum in every ripple. Over a segment
+//! so short that a disturbance hardly grows the motion is nearly linear in its start and in all coefficients,
+//! and a penalty on the jumps between segments, tightened in steps, leads to the one run without leaving the
+//! basin (multiple shooting: Bock, 1983; soft continuity: Ribeiro et al., Automatica 121 (2020) 109158).
+//! Start states couple to their neighbours alone, so the work grows with their number.
 
 use crate::decisions::{
     CHAIN_MINIMUM, CHAIN_SAMPLES, FIRST_NOISE, FORGOTTEN, LONGEST_STRETCH, LOOSE_JOINTS, LOST, NOISE_FLOOR,
@@ -24,8 +24,8 @@ use phisindy_signal::noise_level_at;
 use std::iter::successors;
 
 impl<'a> Context<'a> {
-    /// The fit of a chain with its terms selected from the whole dictionary, if the motion forgets its start or no
-    /// single run has come near it, and if that is the better description.
+    /// The fit of a chain with its terms selected from the whole dictionary, if the motion forgets its start
+    /// or no single run has come near it, and if that is the better description.
     pub(crate) fn chained(&self, found: &Fit<'a>, regression: &Regression) -> Option<Selection<'a>> {
         if !self.forgets_its_start(found) {
             return None;
@@ -40,10 +40,11 @@ impl<'a> Context<'a> {
         selected.take(1).find(|s| s.fit.problem.terms != found.problem.terms)
     }
 
-    /// The better of two selections on a chain that starts with these terms. A rich model bends in the joints where a
-    /// poor one cannot, and a tight chain may end in a side minimum: terms are selected after the tightening, and along
-    /// it. Joints that are loose stand for small terms, and along those that are tight a term can hardly be added, for
-    /// all other numbers must follow it through a bent valley: in between neither holds.
+    /// The better of two selections on a chain that starts with these terms. A rich model bends in the joints
+    /// where a poor one cannot, and a tight chain may end in a side minimum: terms are selected after the
+    /// tightening, and along it. Joints that are loose stand for small terms, and along those that are tight
+    /// a term can hardly be added, for all other numbers must follow it through a bent valley: in between
+    /// neither holds.
     fn selected(&self, start: &[usize], regression: &Regression) -> Option<Selection<'a>> {
         let loose = self.loose_chain(start, &regression.solve(start))?;
         let after = self.tightened(&loose, &TIGHT_JOINTS).map(|full| select_on_chain(self, full));
@@ -57,8 +58,8 @@ impl<'a> Context<'a> {
         after.into_iter().chain(along).min_by(|a, b| of(a).total_cmp(&of(b)))
     }
 
-    /// Whether a disturbance of the start grows so much along the record that a fit of single runs is in doubt, or no
-    /// such fit was found; asked of motion without contacts of which every state is measured.
+    /// Whether a disturbance of the start grows so much along the record that a fit of single runs is in
+    /// doubt, or no such fit was found; asked of motion without contacts of which every state is measured.
     fn forgets_its_start(&self, found: &Fit<'a>) -> bool {
         let n = self.system.states.len();
         let measured = |r: &&Record| r.columns[..n].iter().all(Option::is_some);
@@ -71,16 +72,16 @@ impl<'a> Context<'a> {
         !found.is_white() || found.most_pieces() > 1 || growth(&found.problem, &found.x) > FORGOTTEN
     }
 
-    /// The term beside those of a fit that the data ask for most, if they nearly ask for it, and by how much the
-    /// criterion is worse with it; asked of motion that forgets its start, which shows its numbers through noise that
-    /// hides terms.
+    /// The term beside those of a fit that the data ask for most, if they nearly ask for it, and by how much
+    /// the criterion is worse with it; asked of motion that forgets its start, which shows its numbers
+    /// through noise that hides terms.
     pub(crate) fn nearly_there(&self, fit: &Fit<'a>) -> Option<(usize, f64)> {
         let forgets = fit.problem.chained || growth(&fit.problem, &fit.x) > FORGOTTEN;
         (forgets && self.forgets_its_start(fit)).then(|| addition(self, fit))?
     }
 
-    /// With how many terms of each equation a chain starts: all, or of a dictionary that has more of them than the
-    /// regression has stretches the best ones of it.
+    /// With how many terms of each equation a chain starts: all, or of a dictionary that has more of them
+    /// than the regression has stretches the best ones of it.
     fn richest(&self) -> usize {
         let of_state = |k: usize| self.system.terms.iter().filter(|t| t.state == k).count();
         let most = (0..self.system.states.len()).map(of_state).max().unwrap_or(0);
@@ -147,7 +148,8 @@ impl<'a> Context<'a> {
     }
 }
 
-/// How far each state may jump at a joint: this part of its noise, or of a hundredth of its size without a column.
+/// How far each state may jump at a joint: this part of its noise, or of a hundredth of its size without a
+/// column.
 pub(crate) fn jumps(problem: &Problem<'_>, noise: &Noise, part: f64) -> Vec<f64> {
     let free = |k: usize| {
         let read = problem.records.iter().zip(noise).filter(|(r, _)| r.columns[k].is_some());

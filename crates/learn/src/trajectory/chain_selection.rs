@@ -1,5 +1,5 @@
-//! Selection of terms on a chain of segments: a search among the subsets by the quadratic model of the cost, in which
-//! start states follow along, each step of it confirmed by a refit.
+//! Selection of terms on a chain of segments: a search among the subsets by the quadratic model of the cost,
+//! in which start states follow along, each step of it confirmed by a refit.
 
 use crate::decisions::{CHAIN_PAIRS, CHAIN_REFITS, RIVAL, RIVAL_REACH};
 use crate::result::identified::PathPoint;
@@ -29,7 +29,8 @@ impl Criterion {
         cost / self.inflation + price(terms.len(), self.descriptions.len(), self.independent) + written
     }
 
-    /// Of a fit with a noise of its own: twice the negative logarithm of its likelihood in the place of the cost.
+    /// Of a fit with a noise of its own: twice the negative logarithm of its likelihood in the place of the
+    /// cost.
     pub(crate) fn of_fit(&self, fit: &Fit<'_>) -> f64 {
         let samples = fit.weights.iter().flatten().flatten();
         let spread: f64 = samples.filter(|w| w.is_finite() && **w > 0.0).map(|w| -w.ln()).sum();
@@ -66,7 +67,8 @@ pub(crate) fn select_on_chain<'a>(context: &Context<'a>, first: Fit<'a>) -> Sele
     Selection { fit: now, path }
 }
 
-/// The term with which the criterion is least worse, if it is so little worse that it is no evidence against the term.
+/// The term with which the criterion is least worse, if it is so little worse that it is no evidence against
+/// the term.
 pub(crate) fn addition<'a>(context: &Context<'a>, now: &Fit<'a>) -> Option<(usize, f64)> {
     let (criterion, own) = (Criterion::new(context.system, now), &now.problem.terms);
     let model = whole_dictionary(context, now)?;
@@ -99,8 +101,8 @@ fn whole_dictionary(context: &Context<'_>, now: &Fit<'_>) -> Option<Quadratic> {
     Some(Quadratic::new(&normal, &x[..all.len()], &problem.bounds))
 }
 
-/// The best choice of terms near these ones that was not tried and promises a better criterion: first steps down and
-/// up by one term and exchanges of two as long as they gain, then exchanges of pairs.
+/// The best choice of terms near these ones that was not tried and promises a better criterion: first steps
+/// down and up by one term and exchanges of two as long as they gain, then exchanges of pairs.
 fn promising(
     model: &Quadratic,
     criterion: &Criterion,

@@ -1,8 +1,8 @@
 //! Motion that forgets its start: how fast, and what a model of it can be judged by.
 //!
-//! Where a disturbance outgrows the motion within the record, no run from a fitted start follows it, however right the
-//! model is. What remains: each segment of the chain is predicted from its own start, and what the motion keeps, its
-//! mean and its size, is that of a free run too.
+//! Where a disturbance outgrows the motion within the record, no run from a fitted start follows it, however
+//! right the model is. What remains: each segment of the chain is predicted from its own start, and what the
+//! motion keeps, its mean and its size, is that of a free run too.
 
 use crate::decisions::{CHAOTIC_MEAN, CHAOTIC_SIZE, WORST_NRMSE};
 use crate::result::record_fit::RecordFit;
@@ -13,7 +13,8 @@ use crate::trajectory::validated_chain::ValidatedChain;
 use phisindy_signal::{effective_samples, standard_deviation};
 
 impl Chaos {
-    /// Of a chain of fitted records; `None` for single runs, and where no start grows. `fits` are their free runs.
+    /// Of a chain of fitted records; `None` for single runs, and where no start grows. `fits` are their free
+    /// runs.
     pub(crate) fn of_fit(fit: &Fit<'_>, fits: &[&RecordFit]) -> Option<Chaos> {
         if !fit.problem.chained || fit.most_pieces() == 1 {
             return None;
@@ -82,8 +83,8 @@ fn distance_of_means(a: &[f64], b: &[f64]) -> f64 {
     (mean(a) - mean(b)).abs() / (error(a) + error(b)).sqrt().max(f64::MIN_POSITIVE)
 }
 
-/// The largest Lyapunov exponent: the mean rate at which a disturbance grows along the chain (Benettin et al., Meccanica
-/// 15 (1980) 9-20). `None` where a segment cannot be simulated.
+/// The largest Lyapunov exponent: the mean rate at which a disturbance grows along the chain (Benettin et
+/// al., Meccanica 15 (1980) 9-20). `None` where a segment cannot be simulated.
 fn exponent(problem: &Problem<'_>, x: &[f64]) -> Option<f64> {
     let n = problem.system.states.len();
     let (mut logarithm, mut time) = (0.0, 0.0);

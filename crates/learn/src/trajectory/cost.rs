@@ -249,8 +249,8 @@ impl Problem<'_> {
         Ok(total)
     }
 
-    /// The unknowns on which the run of a segment depends, and where the offset, gain and delay of each column stand
-    /// among them.
+    /// The unknowns on which the run of a segment depends, and where the offset, gain and delay of each
+    /// column stand among them.
     fn unknowns_of(&self, segment: &Segment) -> (Vec<usize>, Vec<[usize; 3]>) {
         let (n, r) = (self.system.states.len(), segment.record);
         // Columns of the sensitivities: start states, then the unknown ones among the model's parameters.
@@ -272,7 +272,8 @@ impl Problem<'_> {
     }
 
     /// Which unknowns a segment depends on, its cost, and its normal equations in those (upper triangle).
-    // Longer than 80 lines: `wide` must inline the whole loop over the samples to compile it for the widest vectors.
+    // Longer than 80 lines: `wide` must inline the whole loop over the samples to compile it for the widest
+    // vectors.
     fn normal_of_segment(
         &self,
         segment: &Segment,

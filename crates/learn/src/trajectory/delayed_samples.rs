@@ -17,8 +17,8 @@ pub(crate) struct DelayedSamples {
 }
 
 impl DelayedSamples {
-    /// Samples at `samples`, each state's column late by its delay. The states themselves are sampled with the
-    /// delay of state `first`.
+    /// Samples at `samples`, each state's column late by its delay. The states themselves are sampled with
+    /// the delay of state `first`.
     pub(crate) fn new(samples: &[f64], delays: &[f64], first: usize) -> DelayedSamples {
         let mut distinct = vec![delays.get(first).copied().unwrap_or(0.0)];
         let mut group = Vec::with_capacity(delays.len());

@@ -6,9 +6,10 @@ use std::collections::HashSet;
 
 /// What each term of the dictionary costs beside the price of any term, on the scale of chi square.
 ///
-/// A candidate of `s` symbols out of an alphabet of `a` is believed in proportion to `a^-s` (Rissanen, Automatica 14
-/// (1978) 465-471; for formulas Bartlett et al., IEEE Trans. Evol. Comput. 28 (2024) 950-964). The
-/// shortest candidates cost nothing here, so that a dictionary of one length is judged as if there were no lengths.
+/// A candidate of `s` symbols out of an alphabet of `a` is believed in proportion to `a^-s` (Rissanen,
+/// Automatica 14 (1978) 465-471; for formulas Bartlett et al., IEEE Trans. Evol. Comput. 28 (2024) 950-964).
+/// The shortest candidates cost nothing here, so that a dictionary of one length is judged as if there were
+/// no lengths.
 pub(crate) fn descriptions(system: &System) -> Vec<f64> {
     let below = |t: usize| system.graph.reachable(&[system.terms[t].bare]);
     let mut alphabet: HashSet<Symbol> = HashSet::new();

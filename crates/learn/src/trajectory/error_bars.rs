@@ -37,9 +37,9 @@ impl<'a> ErrorBars<'a> {
 
     /// An unknown with its interval by profile likelihood.
     pub(crate) fn estimate(&self, k: usize) -> Estimate {
-        // Over short segments a run is nearly linear in its numbers, and a profile would fit all their starts anew.
-        // Where a motion forgets its start a single run follows a fixed number only along a bent valley.
-        // Work that is to end has no time for profiles.
+        // Over short segments a run is nearly linear in its numbers, and a profile would fit all their starts
+        // anew. Where a motion forgets its start a single run follows a fixed number only along a bent
+        // valley. Work that is to end has no time for profiles.
         let ends = self.fit.problem.stop.requested();
         if self.fit.most_pieces() > STAGES[0] || self.fit.problem.chained || ends {
             return self.quadratic(k);
@@ -59,9 +59,9 @@ impl<'a> ErrorBars<'a> {
     }
 }
 
-/// The sandwich and the inverse of the curvature for all unknowns but the start states of many segments, whose
-/// blocks are left infinite. The start states are eliminated: `S = A_nn - A_ns A_ss^-1 A_sn` is the curvature of the
-/// numbers `n` (Schur's complement). `None` for few unknowns.
+/// The sandwich and the inverse of the curvature for all unknowns but the start states of many segments,
+/// whose blocks are left infinite. The start states are eliminated: `S = A_nn - A_ns A_ss^-1 A_sn` is the
+/// curvature of the numbers `n` (Schur's complement). `None` for few unknowns.
 fn of_numbers(fit: &Fit<'_>) -> Option<(Mat<f64>, Mat<f64>)> {
     let (all, meanings) = (fit.x.len(), fit.problem.meanings());
     if all <= DENSE || fit.most_pieces() == 1 {
@@ -104,9 +104,9 @@ fn of_numbers(fit: &Fit<'_>) -> Option<(Mat<f64>, Mat<f64>)> {
     Some((sandwich, curvature))
 }
 
-/// The sandwich `A^-1 B A^-1`: curvature `A` of the cost, scatter `B` of its gradient, by the residuals that a fit without
-/// the sample would leave: beside an event few samples decide, and the fit goes through them. Where the noise model
-/// holds it is `A^-1`; directions that the data do not see stay infinite.
+/// The sandwich `A^-1 B A^-1`: curvature `A` of the cost, scatter `B` of its gradient, by the residuals that
+/// a fit without the sample would leave: beside an event few samples decide, and the fit goes through them.
+/// Where the noise model holds it is `A^-1`; directions that the data do not see stay infinite.
 pub(crate) fn robust_covariance(fit: &Fit<'_>) -> Mat<f64> {
     let bread = covariance(&fit.normal.matrix);
     let Ok(meat) = fit.problem.meat(&fit.x, &fit.weights, Some(&bread)) else { return bread };

@@ -1,8 +1,8 @@
 //! One trajectory fit: from a first guess to the minimum, with the noise estimated along the way.
 //!
 //! Far from the truth the cost of a whole record has local minima, so the horizon grows: first many short
-//! segments, whose start states come from the data, then few, then one. A record whose single run is much worse
-//! than its segments (it drifts or is unstable) stays segmented.
+//! segments, whose start states come from the data, then few, then one. A record whose single run is much
+//! worse than its segments (it drifts or is unstable) stays segmented.
 
 use crate::decisions::{
     BUDGET_BASE, BUDGET_FACTOR, CHAIN_MINIMUM, DRIFT, FINE_MINIMUM, FIRST_NOISE, HOP_GAIN, HOPELESS, HOPS,
@@ -129,8 +129,9 @@ impl<'a> Context<'a> {
         Some(self.straight(&fit).unwrap_or(fit))
     }
 
-    /// A fit in one run of each record from the first guess, where that follows the records about as well as short
-    /// segments do: then these would not lead to a better start. `None` if it drifts away or ends in a worse minimum.
+    /// A fit in one run of each record from the first guess, where that follows the records about as well as
+    /// short segments do: then these would not lead to a better start. `None` if it drifts away or ends in a
+    /// worse minimum.
     fn at_once(&self, terms: &[usize], coefficients: &[f64]) -> Option<Fit<'a>> {
         if self.segments != SegmentsSpec::Auto {
             return None;
@@ -190,8 +191,9 @@ impl<'a> Context<'a> {
         fit
     }
 
-    /// Whether a body that nearly rests at the start breaks away is a barrier of the cost, which start states that
-    /// only outputs tell cannot cross. Tries the start of each single run at rest, and keeps a better minimum.
+    /// Whether a body that nearly rests at the start breaks away is a barrier of the cost, which start states
+    /// that only outputs tell cannot cross. Tries the start of each single run at rest, and keeps a better
+    /// minimum.
     pub(crate) fn with_starts_at_rest(&self, mut fit: Fit<'a>) -> Fit<'a> {
         let runs = fit.problem.segments.iter().filter(|s| fit.pieces[s.record] == 1);
         let starts: Vec<(usize, usize)> = runs.map(|s| (s.record, s.start)).collect();
@@ -214,14 +216,15 @@ impl<'a> Context<'a> {
         fit
     }
 
-    /// Fits segmented records as single runs. A model that lacks a term drifts and is segmented; with the term
-    /// the segments only lose information. `None` if there is nothing to join, or the single run still drifts.
+    /// Fits segmented records as single runs. A model that lacks a term drifts and is segmented; with the
+    /// term the segments only lose information. `None` if there is nothing to join, or the single run still
+    /// drifts.
     pub(crate) fn joined(&self, cut: &Fit<'a>) -> Option<Fit<'a>> {
         if self.segments != SegmentsSpec::Auto || cut.pieces.iter().all(|&p| p == 1) {
             return None;
         }
-        // The joints are tightened step by step: a run over many events has local minima, a chain of short runs
-        // has few.
+        // The joints are tightened step by step: a run over many events has local minima, a chain of short
+        // runs has few.
         let mut chain = self.problem(&cut.problem.terms, cut)?;
         let mut x = cut.x.clone();
         chain.continuity = None;
@@ -265,8 +268,8 @@ impl<'a> Context<'a> {
         misfit(&problem, &x)
     }
 
-    /// Fits other terms from the solution of a fit, with its noise and segments: cost differences between such
-    /// fits are what a selection needs.
+    /// Fits other terms from the solution of a fit, with its noise and segments: cost differences between
+    /// such fits are what a selection needs.
     pub(crate) fn refit(&self, from: &Fit<'a>, terms: &[usize]) -> Option<Fit<'a>> {
         // A gain of a hundredth in the logarithm of the likelihood is none.
         self.refit_within(
@@ -455,8 +458,8 @@ impl Fit<'_> {
         })
     }
 
-    /// Integration steps that a similar model may take over segments `long` times as long: one that takes many
-    /// times the steps of a good model is bad.
+    /// Integration steps that a similar model may take over segments `long` times as long: one that takes
+    /// many times the steps of a good model is bad.
     fn budget(&self, long: usize) -> usize {
         BUDGET_BASE + BUDGET_FACTOR * long * self.problem.steps(&self.x)
     }

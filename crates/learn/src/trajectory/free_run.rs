@@ -47,7 +47,8 @@ impl Solution {
         }
     }
 
-    /// The unknowns of a problem of one record alone, with the numbers of a record; start states from the columns.
+    /// The unknowns of a problem of one record alone, with the numbers of a record; start states from the
+    /// columns.
     pub(crate) fn guess(&self, problem: &Problem<'_>, of: usize, filled: &[Record]) -> Vec<f64> {
         let mut x = problem.guess(&self.coefficients, Some(&self.parameters[of]), filled);
         for (k, meaning) in problem.meanings().into_iter().enumerate() {
@@ -59,9 +60,9 @@ impl Solution {
     }
 }
 
-/// Simulates every record from its start state, which is fitted where `solution` has none. What a Validate record
-/// has of its own is fitted with it, and stands in `solution` afterwards. `filled` are the records with samples
-/// (or derived samples) of every state, to start from.
+/// Simulates every record from its start state, which is fitted where `solution` has none. What a Validate
+/// record has of its own is fitted with it, and stands in `solution` afterwards. `filled` are the records
+/// with samples (or derived samples) of every state, to start from.
 pub(crate) fn free_runs(
     system: &System,
     records: &[Record],
@@ -146,8 +147,8 @@ fn one(
     fit
 }
 
-/// The standard deviation of some samples of a column; where they stand still, that of the column in the record in which
-/// it moves most: what rests has no size of its own to compare a miss with.
+/// The standard deviation of some samples of a column; where they stand still, that of the column in the
+/// record in which it moves most: what rests has no size of its own to compare a miss with.
 fn size_of_motion(samples: &[f64], column: usize, records: &[Record]) -> f64 {
     let own = standard_deviation(samples);
     if samples.iter().any(|s| *s != samples[0]) {
@@ -185,10 +186,10 @@ impl Read {
     }
 }
 
-/// Says where the record's start may be of states that nothing shows and that belong to no displacement (the memory of a
-/// law): where the runs of other records took them. A start far outside of that may hardly be told from one within, as
-/// contacts forget where they began once they slide. The samples have the weight of their motion, not of their noise, so
-/// the priors have less by the same factor.
+/// Says where the record's start may be of states that nothing shows and that belong to no displacement (the
+/// memory of a law): where the runs of other records took them. A start far outside of that may hardly be
+/// told from one within, as contacts forget where they began once they slide. The samples have the weight of
+/// their motion, not of their noise, so the priors have less by the same factor.
 fn expect_starts(problem: &mut Problem<'_>, record: &Record, done: &[RecordFit]) {
     let states = &problem.system.states;
     let moves = |k: usize| states[k].velocity.is_some() || states.iter().any(|s| s.velocity == Some(k));
@@ -310,8 +311,8 @@ fn started<'a>(
         }
         let moves: Vec<usize> = (0..x.len()).filter(|&k| bounds[k].0 < bounds[k].1).collect();
         match problem.normal(x, &weights) {
-            // Where impacts or turning points pull neighbouring motions apart, the start state of a tenth says
-            // nothing about the end of the record, however right the model is.
+            // Where impacts or turning points pull neighbouring motions apart, the start state of a tenth
+            // says nothing about the end of the record, however right the model is.
             Ok(wanted)
                 if start_uncertainty(&known, &wanted, &moves) > START_BLUR * record.readings() as f64 =>
             {
@@ -323,11 +324,10 @@ fn started<'a>(
     }
 }
 
-/// The free run of a model without unknown part along a record from a start state: one column for each state and
-/// output, read
-/// by its sensor where the record has a column of it. Every number is as the system and the record start it. It
-/// is the run that a fit which ended at these numbers is judged by, as accurate as a simulation. `scale` is the size of each state for a
-/// record that shows none.
+/// The free run of a model without unknown part along a record from a start state: one column for each state
+/// and output, read by its sensor where the record has a column of it. Every number is as the system and the
+/// record start it. It is the run that a fit which ended at these numbers is judged by, as accurate as a
+/// simulation. `scale` is the size of each state for a record that shows none.
 ///
 /// # Errors
 /// The model cannot be simulated.

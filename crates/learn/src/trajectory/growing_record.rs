@@ -1,9 +1,9 @@
 //! A horizon that grows, for records of which no state is measured.
 //!
-//! Short segments need start states, and an accelerometer tells none: over a segment without an event a constant
-//! force and a spring's force by the displacement at its start are the same. The whole record has side minima, with a
-//! stop too many or too few. So the first part of the record is fitted, then a longer one from where that ended: its
-//! few events find their times before later ones depend on them.
+//! Short segments need start states, and an accelerometer tells none: over a segment without an event a
+//! constant force and a spring's force by the displacement at its start are the same. The whole record has
+//! side minima, with a stop too many or too few. So the first part of the record is fitted, then a longer one
+//! from where that ended: its few events find their times before later ones depend on them.
 
 use crate::decisions::{FIRST_PARTS, GROWTH, ROUGH_MINIMUM, START_GAIN};
 use crate::least_squares::Limits;
@@ -21,8 +21,8 @@ impl<'a> Context<'a> {
         outputs && !self.records.iter().any(measured) && self.segments == SegmentsSpec::Auto
     }
 
-    /// A better fit of the same terms, if one is found from the first parts of the records; `None` where states are
-    /// measured, or nothing but noise is left.
+    /// A better fit of the same terms, if one is found from the first parts of the records; `None` where
+    /// states are measured, or nothing but noise is left.
     pub(crate) fn grown(&self, fit: &Fit<'a>, coefficients: &[f64]) -> Option<Fit<'a>> {
         if !self.is_blind() || fit.is_white() {
             return None;
@@ -33,7 +33,8 @@ impl<'a> Context<'a> {
         (self.misfit(&found)? < (1.0 - START_GAIN) * self.misfit(fit)?).then_some(found)
     }
 
-    /// What terms leave of the first part of the records after a fit, where no state is measured: the root of the cost.
+    /// What terms leave of the first part of the records after a fit, where no state is measured: the root of
+    /// the cost.
     pub(crate) fn misfit_of_first_part(&self, terms: &[usize], coefficients: &[f64]) -> Option<f64> {
         if !self.is_blind() {
             return None;
@@ -41,8 +42,8 @@ impl<'a> Context<'a> {
         self.along_parts(terms, coefficients, &GROWTH[..FIRST_PARTS]).map(|(cost, ..)| cost.sqrt())
     }
 
-    /// Cost, problem and unknowns of a fit that goes along these parts of the records, from start states as they were
-    /// estimated or at rest, whichever ends better.
+    /// Cost, problem and unknowns of a fit that goes along these parts of the records, from start states as
+    /// they were estimated or at rest, whichever ends better.
     fn along_parts(
         &self,
         terms: &[usize],
@@ -86,8 +87,8 @@ mod tests {
     use super::*;
     use crate::step::onestep::tests::common;
 
-    /// A rubbing oscillator that an accelerometer sees: from a start far away a fit of the whole record ends with other
-    /// stops than the record has.
+    /// A rubbing oscillator that an accelerometer sees: from a start far away a fit of the whole record ends
+    /// with other stops than the record has.
     #[test]
     fn parts_of_a_record_lead_out_of_a_side_minimum() {
         let text = r#"(states: { "x": "m", "v": "m/s" }, constants: { "k": (1.0, "1/s^2"), "A": (1.0, "m/s^2"), "W": (0.7, "rad/s") },

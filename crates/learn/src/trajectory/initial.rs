@@ -229,7 +229,8 @@ fn evaluate(system: &System, terms: &[usize], record: &Record, parameters: &[f64
     Some(Values { known: columns, terms, contacts })
 }
 
-/// Stretches in which every contact keeps its direction and moves at more than a small part of its usual speed.
+/// Stretches in which every contact keeps its direction and moves at more than a small part of its usual
+/// speed.
 fn stretches(contacts: &[Vec<f64>], samples: usize) -> Vec<(usize, usize)> {
     let slow: Vec<f64> = contacts
         .iter()

@@ -71,8 +71,8 @@ impl Jacobian {
         None
     }
 
-    /// Their mean along the columns of a record, which holds samples of every state; samples at which one of them
-    /// is not finite do not count.
+    /// Their mean along the columns of a record, which holds samples of every state; samples at which one of
+    /// them is not finite do not count.
     pub(crate) fn mean(&self, record: &Record, numbers: &[f64]) -> Option<Mat<f64>> {
         let n = self.model.states.len();
         let columns: Vec<&Vec<f64>> =
@@ -91,7 +91,8 @@ impl Jacobian {
     }
 }
 
-/// The arguments of a model at a sample, in the order of [`Model::arguments`]. `numbers` are all its parameters.
+/// The arguments of a model at a sample, in the order of [`Model::arguments`]. `numbers` are all its
+/// parameters.
 pub(crate) fn arguments_at<'r>(
     record: &'r Record,
     sample: usize,

@@ -1,11 +1,11 @@
 //! Samples beside a jump of an output. Where friction reverses, a force cell or an accelerometer jumps, and a
-//! model whose event is late by two samples misses two samples by the whole jump, however small the error. Such
-//! a residual says nothing about a force. It says when the event was: within a sampling interval `h`, so with the
-//! standard deviation `h/sqrt(12)`.
+//! model whose event is late by two samples misses two samples by the whole jump, however small the error.
+//! Such a residual says nothing about a force. It says when the event was: within a sampling interval `h`, so
+//! with the standard deviation `h/sqrt(12)`.
 //!
 //! A reading that lies nearer to the other side of the nearest jump is therefore compared with that side, and
-//! the time of the event with the time of the sample, if that costs less. A reading between both sides, less than
-//! half a sample from the event, is a sensor's mean over its sampling interval, and leaves nothing.
+//! the time of the event with the time of the sample, if that costs less. A reading between both sides, less
+//! than half a sample from the event, is a sensor's mean over its sampling interval, and leaves nothing.
 
 use crate::trajectory::delayed_samples::SampledRun;
 use crate::trajectory::layout::{DELAY, Segment};

@@ -1,13 +1,14 @@
 //! States that no column shows, estimated from the outputs of a record: where a fit starts, and the motion on
 //! which laws are ranked. No result rests on it.
 //!
-//! The known rates hold but for an unknown force on every state that is not driven by another state alone. The
-//! force is a random walk that returns to zero, so it takes the shape of whatever the model lacks. Where no state
-//! is measured it has nothing below the lowest frequency of the outputs: an accelerometer does not show a slow drift
-//! of a displacement. Friction of the model counts as such a force, for its sign jumps where the estimate is
-//! uncertain. States and forces follow from an extended Kalman filter and the smoother of Rauch, Tung and Striebel
-//! (AIAA J. 3 (1965) 1445-1450). Strength and memory of the walk are those of the largest likelihood. An estimate
-//! whose outputs are further from the columns than those of a system at rest is none.
+//! The known rates hold but for an unknown force on every state that is not driven by another state alone.
+//! The force is a random walk that returns to zero, so it takes the shape of whatever the model lacks. Where
+//! no state is measured it has nothing below the lowest frequency of the outputs: an accelerometer does not
+//! show a slow drift of a displacement. Friction of the model counts as such a force, for its sign jumps
+//! where the estimate is uncertain. States and forces follow from an extended Kalman filter and the smoother
+//! of Rauch, Tung and Striebel (AIAA J. 3 (1965) 1445-1450). Strength and memory of the walk are those of the
+//! largest likelihood. An estimate whose outputs are further from the columns than those of a system at rest
+//! is none.
 
 use crate::decisions::{COVARIANCE_RIDGE, DIFFUSE, LIKELIHOOD_SAMPLES, WALK_DECADES, WALK_MEMORIES};
 use faer::Mat;
@@ -25,8 +26,8 @@ pub(crate) fn estimated_states(system: &System, record: &Record) -> Option<Vec<V
     }
     let filter = Filter::new(system, record)?;
     let span = record.time[record.len() - 1] - record.time[0];
-    // A few decades of strength, three by three and then one by one; memories of a third of the record down to a
-    // thousandth.
+    // A few decades of strength, three by three and then one by one; memories of a third of the record down
+    // to a thousandth.
     let best = |trials: Vec<Walk>| -> Option<Walk> {
         let likelihood = |walk: Walk| {
             let run = filter.forward(walk, LIKELIHOOD_SAMPLES);
@@ -101,7 +102,8 @@ impl<'a> Filter<'a> {
         let forced: Vec<usize> =
             (0..n).filter(|&k| system.states[k].velocity.is_none() && !system.states[k].of_sensor).collect();
         let mut rates = without_signs(&mut graph, &system.known);
-        // Each force is a walk, less its slow part, less the slow part of what is left: three states of the filter.
+        // Each force is a walk, less its slow part, less the slow part of what is left: three states of the
+        // filter.
         let mut inner: [Vec<Id>; STAGES] = Default::default();
         for &k in &forced {
             let mut node = |graph: &mut Graph, stage: usize| {

@@ -72,9 +72,9 @@ fn alternative(system: &System, terms: &[usize], other: &[usize], worse: f64) ->
 
 /// The best fit from several starts, with its terms selected if `auto`.
 ///
-/// Collinear candidates make a regression of the whole dictionary ill-conditioned, so the first start has only
-/// the best term of each equation, the next ones the best two, three, all. From each start terms enter and
-/// leave. Only if the residual is not white, the whole dictionary is fitted at once and the next start is
+/// Collinear candidates make a regression of the whole dictionary ill-conditioned, so the first start has
+/// only the best term of each equation, the next ones the best two, three, all. From each start terms enter
+/// and leave. Only if the residual is not white, the whole dictionary is fitted at once and the next start is
 /// tried.
 fn start<'a>(
     context: &Context<'a>,

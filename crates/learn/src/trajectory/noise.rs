@@ -1,7 +1,8 @@
 //! The noise of a column, estimated from residuals: `variance = additive^2 + (relative * prediction)^2`.
 //!
-//! One form serves relative noise (eq. (34)), additive noise and sensor noise; the data tell which it is. Where
-//! a state is zero relative noise vanishes and the likelihood is unbounded, so the additive part has a floor.
+//! One form serves relative noise (eq. (34)), additive noise and sensor noise; the data tell which it is.
+//! Where a state is zero relative noise vanishes and the likelihood is unbounded, so the additive part has a
+//! floor.
 
 use crate::decisions::{MIXED_NOISE, NOISE_FLOOR, NOISE_GAIN, NOISE_ITERATIONS, NOISE_RANK};
 use crate::result::identified::NoiseModel;
@@ -20,9 +21,9 @@ impl ColumnNoise {
         self.additive * self.additive + (self.relative * prediction) * (self.relative * prediction)
     }
 
-    /// Maximum likelihood for Gaussian residuals, by Fisher scoring on the two variances: squared residuals are
-    /// regressed on 1 and prediction^2 with weights 1/variance^2. `deviation` is the standard deviation of the
-    /// column.
+    /// Maximum likelihood for Gaussian residuals, by Fisher scoring on the two variances: squared residuals
+    /// are regressed on 1 and prediction^2 with weights 1/variance^2. `deviation` is the standard deviation
+    /// of the column.
     pub(crate) fn estimate(residuals: &[f64], predictions: &[f64], deviation: f64) -> ColumnNoise {
         let n = residuals.len().max(1) as f64;
         let mean = residuals.iter().map(|r| r * r).sum::<f64>() / n;
@@ -200,8 +201,8 @@ mod tests {
         assert_eq!([named(1.0, 3.0), named(1.0, 4.0)], [NoiseModel::Mixed, NoiseModel::Relative]);
     }
 
-    /// A relative part that makes the residuals likelier by less than its price (here by some 3 of ln n = 8.3)
-    /// is left out, one that pays (by some 30) is not.
+    /// A relative part that makes the residuals likelier by less than its price (here by some 3 of ln n =
+    /// 8.3) is left out, one that pays (by some 30) is not.
     #[test]
     fn a_relative_part_must_earn_its_place() {
         let n = 4001;

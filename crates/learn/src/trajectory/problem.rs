@@ -1,5 +1,5 @@
-//! The trajectory fit as a least-squares problem: simulations, predictions of the sensors, residuals, weights.
-//! [`super::layout`] says what the unknowns are, [`super::cost`] differentiates.
+//! The trajectory fit as a least-squares problem: simulations, predictions of the sensors, residuals,
+//! weights. [`super::layout`] says what the unknowns are, [`super::cost`] differentiates.
 
 use crate::decisions::{BASE_STEPS, DIVERGED_SIZE, NOISE_FLOOR, STEPS_PER_SAMPLE, TOLERANCE};
 use crate::result::error::ModelError;
@@ -43,8 +43,8 @@ pub(crate) struct Problem<'a> {
     /// Soft continuity: by how much each state may jump from one segment to the next; `None` leaves the start
     /// states free.
     pub(crate) continuity: Option<Vec<f64>>,
-    /// Whether the segments are a chain that stands for one run, or the run is what such a chain became: steps are damped
-    /// by what the data say, not by the joints.
+    /// Whether the segments are a chain that stands for one run, or the run is what such a chain became:
+    /// steps are damped by what the data say, not by the joints.
     pub(crate) chained: bool,
     /// Steps that a simulation may take; `None` for a generous guess.
     pub(crate) budget: Option<usize>,
@@ -330,7 +330,8 @@ impl<'a> Problem<'a> {
         runs.max().unwrap_or(0)
     }
 
-    /// Residuals of every column of every record in the unit of the column, from a simulation of all segments.
+    /// Residuals of every column of every record in the unit of the column, from a simulation of all
+    /// segments.
     pub(crate) fn residuals(&self, x: &[f64]) -> Result<Vec<Vec<ColumnResidual>>, SimError> {
         Ok(self.residuals_of(&self.runs(x)?, x))
     }

@@ -15,7 +15,8 @@ pub(crate) struct Products {
     /// `count`, rounded up to whole vectors: what is beyond is zero.
     width: usize,
     meat: bool,
-    /// For a meat: the inverse of `J^T J`, by which each residual is divided by `1 - h`, `h` the leverage of its row.
+    /// For a meat: the inverse of `J^T J`, by which each residual is divided by `1 - h`, `h` the leverage of
+    /// its row.
     inverse: Option<Vec<f64>>,
     rows: Vec<f64>,
     residuals: Vec<f64>,
@@ -39,9 +40,9 @@ impl Products {
         }
     }
 
-    /// For the meat of a sandwich: the inverse of the whole `J^T J`, row by row. The residual of a row that decides much is
-    /// small, for the fit goes through it; divided by `1 - h` it is what the fit without that row would leave there
-    /// (HC3, MacKinnon and White, Journal of Econometrics 29 (1985) 305-325).
+    /// For the meat of a sandwich: the inverse of the whole `J^T J`, row by row. The residual of a row that
+    /// decides much is small, for the fit goes through it; divided by `1 - h` it is what the fit without that
+    /// row would leave there (HC3, MacKinnon and White, Journal of Econometrics 29 (1985) 305-325).
     pub(crate) fn with_leverage(self, inverse: Vec<f64>) -> Products {
         Products { inverse: Some(inverse), ..self }
     }
@@ -81,8 +82,8 @@ impl Products {
         self.residuals.clear();
     }
 
-    /// Each sum is taken in the order of the rows. Vectors of columns that are zero in all rows are left out: a start
-    /// state or a friction level that nothing has coupled to these samples yet.
+    /// Each sum is taken in the order of the rows. Vectors of columns that are zero in all rows are left out:
+    /// a start state or a friction level that nothing has coupled to these samples yet.
     #[inline(always)]
     fn multiply_batch(&mut self) {
         let Products { count, width, meat, inverse, rows, residuals, matrix, gradient } = self;
@@ -133,7 +134,8 @@ mod tests {
     use super::*;
     use approx::assert_relative_eq;
 
-    /// More rows than a batch, columns that are not whole vectors, and a vector of columns that is zero at first.
+    /// More rows than a batch, columns that are not whole vectors, and a vector of columns that is zero at
+    /// first.
     #[test]
     fn products_are_those_of_the_definition() {
         for (count, rows, meat) in [(3, 5, false), (21, 150, false), (21, 150, true), (8, 64, false)] {
@@ -161,8 +163,8 @@ mod tests {
         }
     }
 
-    /// Two rows, of which the second alone tells the second number: its leverage is one, and its residual is divided by
-    /// nearly nothing. The first shares its number with a third.
+    /// Two rows, of which the second alone tells the second number: its leverage is one, and its residual is
+    /// divided by nearly nothing. The first shares its number with a third.
     #[test]
     fn a_residual_is_what_the_fit_without_its_row_leaves() {
         let rows = [([1.0, 0.0], 0.2), ([3.0, 0.0], -0.1), ([0.0, 2.0], 0.0)];

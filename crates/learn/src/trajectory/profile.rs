@@ -1,6 +1,6 @@
-//! Intervals by profile likelihood, for parameters on which the cost does not depend quadratically (Venzon and
-//! Moolgavkar, Applied Statistics 37 (1988) 87-94): the parameter is fixed off its best value, all others are
-//! refitted, and the interval ends where the cost has risen by the quantile of chi^2.
+//! Intervals by profile likelihood, for parameters on which the cost does not depend quadratically (Venzon
+//! and Moolgavkar, Applied Statistics 37 (1988) 87-94): the parameter is fixed off its best value, all others
+//! are refitted, and the interval ends where the cost has risen by the quantile of chi^2.
 
 use crate::decisions::{
     HALF_WIDTH_95, PROFILE_DAMPING, PROFILE_END, PROFILE_FITS, PROFILE_MINIMUM, PROFILE_QUADRATIC,
@@ -50,9 +50,9 @@ fn end(fit: &Fit<'_>, k: usize, quadratic: f64, target: f64) -> f64 {
     z.clamp(low, high)
 }
 
-/// The rise of the cost if unknown `k` is fixed at `z` and all others are refitted, to a part of `target`; `None`
-/// where the model cannot be simulated, or the others creep along a valley and do not arrive: what they still have to
-/// gain would count as a rise, and the interval would end too early.
+/// The rise of the cost if unknown `k` is fixed at `z` and all others are refitted, to a part of `target`;
+/// `None` where the model cannot be simulated, or the others creep along a valley and do not arrive: what
+/// they still have to gain would count as a rise, and the interval would end too early.
 fn rise(fit: &Fit<'_>, k: usize, z: f64, target: f64) -> Option<f64> {
     let mut bounds = fit.problem.bounds.clone();
     bounds[k] = (z, z);

@@ -27,7 +27,8 @@ impl Quadratic {
         self.right.len()
     }
 
-    /// The least cost with these coefficients alone; infinite where they are not determined, or leave their bounds.
+    /// The least cost with these coefficients alone; infinite where they are not determined, or leave their
+    /// bounds.
     pub(crate) fn least(&self, of: &[usize]) -> f64 {
         let matrix = Mat::from_fn(of.len(), of.len(), |i, j| self.matrix[(of[i], of[j])]);
         let right: Vec<f64> = of.iter().map(|&i| self.right[i]).collect();
@@ -44,7 +45,8 @@ mod tests {
     use crate::linear::symmetric;
     use approx::assert_relative_eq;
 
-    /// `(a + b - 3)^2 + (b - 1)^2 + 4` at `a = b = 0`: 4 with both, 4 + 1 with the first alone, 4 + 2 with the second.
+    /// `(a + b - 3)^2 + (b - 1)^2 + 4` at `a = b = 0`: 4 with both, 4 + 1 with the first alone, 4 + 2 with
+    /// the second.
     #[test]
     fn the_least_cost_of_each_choice_of_coefficients() {
         let normal =

@@ -1,5 +1,5 @@
-//! Start states at which the rates have finite slopes. `sqrt(|h|)` has none at zero, where a state without a column
-//! would start: no sensitivity is finite then, and a fit cannot move.
+//! Start states at which the rates have finite slopes. `sqrt(|h|)` has none at zero, where a state without a
+//! column would start: no sensitivity is finite then, and a fit cannot move.
 
 use crate::trajectory::jacobian::{Jacobian, Singular};
 use crate::trajectory::layout::Segment;
@@ -7,8 +7,8 @@ use crate::trajectory::problem::Problem;
 use phisindy_phys::Record;
 
 impl Problem<'_> {
-    /// Moves start states to where the rates have finite slopes: a measured state to its next sample where they
-    /// have, any other one to the size of the measured states that have its unit.
+    /// Moves start states to where the rates have finite slopes: a measured state to its next sample where
+    /// they have, any other one to the size of the measured states that have its unit.
     pub(crate) fn leave_singularities(&self, x: &mut [f64], filled: &[Record]) {
         let n = self.system.states.len();
         // Elementary functions that a model is made of are singular at zero.

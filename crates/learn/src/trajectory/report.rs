@@ -26,8 +26,8 @@ use phisindy_phys::{Case, Note, Record, System};
 use phisindy_signal::Differentiator;
 use rayon::prelude::*;
 
-/// The result of a fit to the Fit records of `records`. `filled` are the records with smoothed samples of every
-/// state; `path` is the path of the selection.
+/// The result of a fit to the Fit records of `records`. `filled` are the records with smoothed samples of
+/// every state; `path` is the path of the selection.
 pub(crate) fn report(
     case: &Case,
     records: &[Record],

@@ -12,9 +12,10 @@ impl<'a> Context<'a> {
     /// The fit of a plant that drifts, over the segments that tell its numbers best.
     ///
     /// What a plant without a spring is not told of the forces on it adds up: over a segment of length `T` an
-    /// unknown force `f` moves a mass `m` by `f T^2/(2 m)`, and such a residual hangs together over the whole segment.
-    /// Shorter segments drift less, but each has a start state to be found first. Their number is doubled as long as
-    /// that shrinks the error bars, which know both: correlated samples count as few, and start states are unknowns.
+    /// unknown force `f` moves a mass `m` by `f T^2/(2 m)`, and such a residual hangs together over the whole
+    /// segment. Shorter segments drift less, but each has a start state to be found first. Their number is
+    /// doubled as long as that shrinks the error bars, which know both: correlated samples count as few, and
+    /// start states are unknowns.
     pub(crate) fn resegmented(&self, mut fit: Fit<'a>) -> Fit<'a> {
         let single = fit.pieces.iter().all(|&p| p == 1);
         if fit.problem.chained
@@ -38,8 +39,8 @@ impl<'a> Context<'a> {
         }
     }
 
-    /// Whether what disturbs the motion adds up over a record: a mode that neither swings nor fades within it, or one
-    /// that grows. A carriage without a spring has one, an inverted pendulum too.
+    /// Whether what disturbs the motion adds up over a record: a mode that neither swings nor fades within
+    /// it, or one that grows. A carriage without a spring has one, an inverted pendulum too.
     fn drifts(&self, fit: &Fit<'a>) -> bool {
         let Some(slopes) = Jacobian::new(&fit.problem) else { return false };
         let drifts = |(r, record): (usize, &Record)| {

@@ -2,8 +2,8 @@
 //!
 //! Terms leave and enter by the extended information criterion (Chen and Chen, Biometrika 95 (2008) 759-771)
 //! `cost / inflation + k ln n + 2 ln C(p, k)`: the last term pays for the search among the subsets, and
-//! correlated residuals count as few samples. The quadratic model of the cost proposes each step of the search,
-//! a refit confirms it. Terms too small to matter are removed.
+//! correlated residuals count as few samples. The quadratic model of the cost proposes each step of the
+//! search, a refit confirms it. Terms too small to matter are removed.
 
 use crate::decisions::{
     HOPELESS, INSISTENT_RISE, NEW_PAIR, NEW_PART, PRACTICAL_SHARE, RIVAL, RIVAL_REACH, RIVALS,
@@ -149,9 +149,9 @@ fn promising<'a>(
     })
 }
 
-/// Simpler models beyond a barrier of the cost, which the quadratic model does not show: for each equation with
-/// several terms, each term alone and all but each pair are tried. Trials run in parallel; the first better one
-/// in their order is taken, whatever the number of threads.
+/// Simpler models beyond a barrier of the cost, which the quadratic model does not show: for each equation
+/// with several terms, each term alone and all but each pair are tried. Trials run in parallel; the first
+/// better one in their order is taken, whatever the number of threads.
 fn pruned<'a>(
     context: &Context<'a>,
     mut now: Fit<'a>,
@@ -279,8 +279,8 @@ fn swaps<'a>(context: &Context<'a>, now: &Fit<'a>, all: &[usize]) -> Vec<(Vec<us
     out
 }
 
-/// Choices of as many terms that the data describe nearly as well, and by how much the criterion is worse; the
-/// nearest first.
+/// Choices of as many terms that the data describe nearly as well, and by how much the criterion is worse;
+/// the nearest first.
 pub(crate) fn rivals<'a>(context: &Context<'a>, now: &Fit<'a>, all: &[usize]) -> Vec<(Vec<usize>, f64)> {
     let worse = |cost: f64| (cost - now.normal.cost) / now.inflation();
     let mut near: Vec<(Vec<usize>, f64)> =
@@ -357,8 +357,8 @@ fn scores<'a>(context: &Context<'a>, now: &Fit<'a>, all: &[usize]) -> Vec<(Vec<u
     out
 }
 
-/// The fit without the terms that noise of inputs explains. It moves the coefficients beside the noise of the columns,
-/// so a term is worth its price only where its coefficient is large against both.
+/// The fit without the terms that noise of inputs explains. It moves the coefficients beside the noise of the
+/// columns, so a term is worth its price only where its coefficient is large against both.
 pub(crate) fn without_noise_of_inputs<'a>(context: &Context<'a>, mut fit: Fit<'a>, all: &[usize]) -> Fit<'a> {
     while fit.problem.terms.len() > 1 {
         let Some(added) = input_noise::variance(&fit) else { break };

@@ -5,8 +5,8 @@ use crate::result::quantity::Quantity;
 use crate::result::warning::Warning;
 use faer::Mat;
 
-/// Warnings for numbers that the data do not determine, and for pairs that trade off. `names` are the unknowns
-/// of the result; `cov` and `values` are of all unknowns.
+/// Warnings for numbers that the data do not determine, and for pairs that trade off. `names` are the
+/// unknowns of the result; `cov` and `values` are of all unknowns.
 pub(crate) fn inseparable(cov: &Mat<f64>, names: &[(usize, Quantity)], values: &[f64]) -> Vec<Warning> {
     let mut out = Vec::new();
     let unseen = names.iter().filter(|(a, _)| !cov[(*a, *a)].is_finite()).map(|(_, name)| name.clone());

@@ -1,9 +1,9 @@
 //! Side minima beside a minimum, of fits to outputs that jump.
 //!
-//! Where an event passes a sample, the sample changes sides, and the cost has a step or a kink. A minimum may lie
-//! between two of these, a few standard errors from a lower one. A profile over a coefficient, as intervals need it,
-//! walks over them: so each coefficient is moved to both ends of its interval and beyond, the others follow, and all
-//! are fitted from there.
+//! Where an event passes a sample, the sample changes sides, and the cost has a step or a kink. A minimum may
+//! lie between two of these, a few standard errors from a lower one. A profile over a coefficient, as
+//! intervals need it, walks over them: so each coefficient is moved to both ends of its interval and beyond,
+//! the others follow, and all are fitted from there.
 
 use crate::decisions::{FINE_MINIMUM, HALF_WIDTH_95, LIKELIHOOD_GAIN, SIDE_REACH, SIDE_ROUNDS};
 use crate::least_squares::Limits;
@@ -53,8 +53,8 @@ mod tests {
     use crate::trajectory::problem::Problem;
     use phisindy_phys::spec::SegmentsSpec;
 
-    /// Case 2b of the paper as an accelerometer sees it: of this seed a fit ends six standard errors from the truth, in a
-    /// minimum that has a lower one beside it.
+    /// Case 2b of the paper as an accelerometer sees it: of this seed a fit ends six standard errors from the
+    /// truth, in a minimum that has a lower one beside it.
     #[test]
     fn a_lower_minimum_nearby_is_found() {
         let text = r#"(constants: { "d": (0.1, "1/s"), "k": (1.0, "1/s^2"), "A": (1.0, "m/s^2"), "W": (0.15, "rad/s"), "V": (0.003, "m/s"), "c": 0.022, "eps": (1e-6, "m/s") }, states: { "x": "m", "y": "m/s" },

@@ -5,8 +5,8 @@ use crate::decisions::{SIZE_TOLERANCE, SLOPE_STRETCHES, SMALLEST_SIZE, STEPS_PER
 use phisindy_sim::Options;
 
 impl Problem<'_> {
-    /// The size of each state: from its columns, from the slope of the displacement whose velocity it is, or, of a state
-    /// that nothing shows, from where the law or the model takes it.
+    /// The size of each state: from its columns, from the slope of the displacement whose velocity it is, or,
+    /// of a state that nothing shows, from where the law or the model takes it.
     pub(super) fn scales(&self) -> Vec<f64> {
         let shown = self.shown_scales();
         if shown.iter().all(|s| *s > 0.0) {
@@ -23,8 +23,8 @@ impl Problem<'_> {
         shown.iter().enumerate().map(of).collect()
     }
 
-    /// How large each state becomes in a coarse run of the first record, from the model's numbers as they start. `None`
-    /// where the run ends early.
+    /// How large each state becomes in a coarse run of the first record, from the model's numbers as they
+    /// start. `None` where the run ends early.
     fn sizes_of_a_run(&self, shown: &[f64]) -> Option<Vec<f64>> {
         let unknown = |k: usize| shown[k] <= 0.0 && self.system.states[k].memory.is_none();
         let n = shown.len();
@@ -72,10 +72,10 @@ impl Problem<'_> {
             .collect()
     }
 
-    /// How far each state may be expected to go: as far as its columns are from the zeros that their sensors may
-    /// have, if that is more than they move. A pendulum at rest moves by its noise alone, and the model of it
-    /// swings about a zero that the search has not found yet. A velocity without a column may be larger than its
-    /// scale by as much as its displacement.
+    /// How far each state may be expected to go: as far as its columns are from the zeros that their sensors
+    /// may have, if that is more than they move. A pendulum at rest moves by its noise alone, and the model
+    /// of it swings about a zero that the search has not found yet. A velocity without a column may be larger
+    /// than its scale by as much as its displacement.
     pub(super) fn reaches(&self) -> Vec<f64> {
         let from_zero = |k: usize| {
             let of = |record: &&phisindy_phys::Record| {

@@ -3,8 +3,8 @@
 use crate::trajectory::fit::Fit;
 use phisindy_expr::{Scratch, Tape};
 
-/// Root mean square of `coefficient * value` of each term along the fitted trajectories; `None` if they cannot
-/// be simulated.
+/// Root mean square of `coefficient * value` of each term along the fitted trajectories; `None` if they
+/// cannot be simulated.
 pub(crate) fn term_sizes(fit: &Fit<'_>) -> Option<Vec<f64>> {
     let problem = &fit.problem;
     let system = problem.system;

@@ -1,8 +1,9 @@
 //! A Validate record of motion that forgets its start, as a chain of short runs.
 //!
-//! No run from a start that was fitted to its first part follows such a record, however right the model is. What it can
-//! be asked: whether a run of the model exists that stays beside the record within the noise, which a chain with tight
-//! joints is (a shadowing orbit: Hammel, Yorke and Grebogi, J. Complexity 3 (1987) 136-145).
+//! No run from a start that was fitted to its first part follows such a record, however right the model is.
+//! What it can be asked: whether a run of the model exists that stays beside the record within the noise,
+//! which a chain with tight joints is (a shadowing orbit: Hammel, Yorke and Grebogi, J. Complexity 3 (1987)
+//! 136-145).
 
 use crate::decisions::{CHAIN_MINIMUM, CHAIN_SAMPLES, FORGOTTEN, LOOSE_JOINTS, TIGHT_JOINTS};
 use crate::least_squares::Limits;
@@ -67,8 +68,9 @@ impl<'a> ValidatedChain<'a> {
     }
 }
 
-/// Whether a disturbance of the start of a Validate record grows so much along it that a run from a fitted start does not
-/// tell whether the model is right; asked of motion without contacts of which every state is measured.
+/// Whether a disturbance of the start of a Validate record grows so much along it that a run from a fitted
+/// start does not tell whether the model is right; asked of motion without contacts of which every state is
+/// measured.
 fn forgets_its_start(
     system: &System,
     solution: &Solution,

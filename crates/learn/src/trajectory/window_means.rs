@@ -1,10 +1,11 @@
 //! Outputs that jump, compared by their means over a window of samples.
 //!
-//! Where friction reverses, an accelerometer jumps. A model whose event is late by a few samples misses these by the
-//! whole jump, and moving the event does not lower the sum of squares until the event passes a sample: the cost of
-//! single samples has a side minimum for nearly every event time. The mean over a window has none as long as the
-//! event stays within it, for its derivative holds that of the event time: `d/dp int y dt = int dy/dp dt - [y] dt_e/dp`.
-//! So a fit whose outputs miss more than their noise starts with means over long windows, which then get shorter.
+//! Where friction reverses, an accelerometer jumps. A model whose event is late by a few samples misses these
+//! by the whole jump, and moving the event does not lower the sum of squares until the event passes a sample:
+//! the cost of single samples has a side minimum for nearly every event time. The mean over a window has none
+//! as long as the event stays within it, for its derivative holds that of the event time: `d/dp int y dt =
+//! int dy/dp dt - [y] dt_e/dp`. So a fit whose outputs miss more than their noise starts with means over long
+//! windows, which then get shorter.
 
 use crate::decisions::{LARGEST_WINDOW, WHITE_EXCESS, WINDOW_FALL};
 use crate::trajectory::delayed_samples::SampledRun;
@@ -23,8 +24,8 @@ pub(crate) struct Window<'r> {
     pub(crate) miss: f64,
     /// By this a sum over the samples is weighted.
     pub(crate) factor: f64,
-    /// Events within it, each with what the sum loses, in the unit of the column, for every sampling interval that it is
-    /// later.
+    /// Events within it, each with what the sum loses, in the unit of the column, for every sampling interval
+    /// that it is later.
     events: Vec<(&'r Jump, f64)>,
     step: f64,
 }
@@ -50,8 +51,8 @@ impl Window<'_> {
 }
 
 impl Problem<'_> {
-    /// The windows, in samples and from long to short, by whose means a fit from `x` starts; none where no output jumps,
-    /// or where outputs miss no more than their noise.
+    /// The windows, in samples and from long to short, by whose means a fit from `x` starts; none where no
+    /// output jumps, or where outputs miss no more than their noise.
     pub(crate) fn windows(&self, x: &[f64]) -> Vec<usize> {
         let states = self.system.states.len();
         let outputs = self.records.iter().any(|r| reads_outputs(self.system, r));
@@ -153,7 +154,8 @@ mod tests {
         (case.system, records.remove(0))
     }
 
-    /// The slope of a cost by differences over what moves events by a fifth of a sample, and the gradient that the fit uses.
+    /// The slope of a cost by differences over what moves events by a fifth of a sample, and the gradient
+    /// that the fit uses.
     fn slopes(window: usize, at: f64) -> (f64, f64) {
         let (system, record) = rubbing();
         let problem = Problem::new(&system, &[], &[&record], &[1]).expect("a problem");

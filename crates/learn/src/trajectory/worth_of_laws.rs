@@ -1,10 +1,10 @@
-//! Whether the laws that a spec names are in the data. A law cannot leave the model as a term does, and one whose
-//! level is nothing, or that follows the noise, fits as well as none: the known part alone is fitted again, and the
-//! laws must lower its cost by the price of their numbers.
+//! Whether the laws that a spec names are in the data. A law cannot leave the model as a term does, and one
+//! whose level is nothing, or that follows the noise, fits as well as none: the known part alone is fitted
+//! again, and the laws must lower its cost by the price of their numbers.
 //!
-//! The price is that of the terms, `k ln n`. It pays for a number that was searched for, too: the best of the `n/2`
-//! frequencies of a record lowers the cost by about `2 ln(n/2)` where nothing is there, and a force with a
-//! frequency has three numbers (J. H. Horne and S. L. Baliunas, Astrophys. J. 302 (1986) 757-763).
+//! The price is that of the terms, `k ln n`. It pays for a number that was searched for, too: the best of the
+//! `n/2` frequencies of a record lowers the cost by about `2 ln(n/2)` where nothing is there, and a force
+//! with a frequency has three numbers (J. H. Horne and S. L. Baliunas, Astrophys. J. 302 (1986) 757-763).
 
 use crate::decisions::{COMPLETE, FINE_MINIMUM};
 use crate::least_squares::Limits;
@@ -17,8 +17,8 @@ use crate::trajectory::select::price;
 use phisindy_phys::spec::Role;
 use phisindy_phys::{Record, System};
 
-/// Why not to believe in the laws of a model that otherwise holds: they are not worth their numbers, or one of them
-/// is at the end of what it allows while something is left. `without` is the system without them.
+/// Why not to believe in the laws of a model that otherwise holds: they are not worth their numbers, or one
+/// of them is at the end of what it allows while something is left. `without` is the system without them.
 pub(crate) fn against_laws(
     without: &System,
     fit: &Fit<'_>,
@@ -41,8 +41,8 @@ pub(crate) fn against_laws(
     Some(Rejection::LawAtBound { number: end.id.clone(), value, unit: end.unit.clone() })
 }
 
-/// By how much the laws lower the cost, and how many numbers that takes; `None` where the known part alone cannot be
-/// run.
+/// By how much the laws lower the cost, and how many numbers that takes; `None` where the known part alone
+/// cannot be run.
 fn gain(without: &System, fit: &Fit<'_>) -> Option<(f64, usize)> {
     let (with, of) = (&fit.problem, fit.problem.system);
     let records: Vec<Record> = with.records.iter().map(|r| of_system(r, without, of)).collect();

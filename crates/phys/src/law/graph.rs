@@ -57,7 +57,8 @@ pub struct LawScreen {
     pub grid: Vec<Id>,
     /// The rate of the internal state in terms of the grid.
     pub rate: Option<Id>,
-    /// Each parameter from coefficients and grid, in the order of [`Law::parameters`](super::Law::parameters).
+    /// Each parameter from coefficients and grid, in the order of
+    /// [`Law::parameters`](super::Law::parameters).
     pub seeds: Vec<Id>,
 }
 

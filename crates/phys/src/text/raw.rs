@@ -179,8 +179,9 @@ impl Outline<'_> {
             .help(format!("an expression stands in quotes: \"{}\"", self.expression())))
     }
 
-    /// The expression without quotes that the present token is part of: from the colon before it, or from it where a
-    /// text or a map stands between them, up to the comma or bracket that ends it, or to the end of the line.
+    /// The expression without quotes that the present token is part of: from the colon before it, or from it
+    /// where a text or a map stands between them, up to the comma or bracket that ends it, or to the end of
+    /// the line.
     fn expression(&self) -> &str {
         let here = self.tokens[self.next].span.start;
         let colon = self.tokens[..self.next].iter().rfind(|t| t.kind == Kind::Colon);

@@ -13,8 +13,8 @@ pub(crate) fn word(class: &str, x: f64, y: f64, text: &str) -> Element {
     element("text").class(class).with("x", at(x)).with("y", at(y)).text(text)
 }
 
-/// Width of a text in the size of labels, in the widest of the fonts that the style sheet names (DejaVu Sans).
-/// In another font there is room to spare.
+/// Width of a text in the size of labels, in the widest of the fonts that the style sheet names (DejaVu
+/// Sans). In another font there is room to spare.
 pub(crate) fn width_of(text: &str) -> f64 {
     SIZE * text.chars().map(advance).sum::<f64>()
 }

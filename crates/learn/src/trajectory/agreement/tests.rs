@@ -11,8 +11,8 @@ use phisindy_signal::effective_samples;
 const SIGMA: f64 = 0.3;
 const SAMPLES: usize = 120;
 
-/// What chi square with so many degrees of freedom exceeds once in a hundred thousand times; the approximation
-/// is up to 12 % above.
+/// What chi square with so many degrees of freedom exceeds once in a hundred thousand times; the
+/// approximation is up to 12 % above.
 const TABLE: [f64; 3] = [19.511, 23.026, 25.902];
 
 fn line(samples: &[(Role, Vec<f64>)]) -> (Case, Vec<Record>) {
@@ -26,8 +26,8 @@ fn sloped(slope: f64, noise: &[f64]) -> Vec<f64> {
     noise.iter().enumerate().map(|(i, e)| slope * STEP * i as f64 + SIGMA * e).collect()
 }
 
-/// What is said of all records beside a fit that found `found`, with the covariance `cov` and so many effective
-/// samples.
+/// What is said of all records beside a fit that found `found`, with the covariance `cov` and so many
+/// effective samples.
 fn texts(warnings: &[Warning]) -> Vec<String> {
     warnings.iter().map(ToString::to_string).collect()
 }
@@ -84,8 +84,8 @@ fn a_slope_is_told_of_where_chi_square_says_so() {
     }
 }
 
-/// `x = x0 + a t + b t^2 + c t^3`: the distance is the quadratic form of the normal matrix, less what the start
-/// takes.
+/// `x = x0 + a t + b t^2 + c t^3`: the distance is the quadratic form of the normal matrix, less what the
+/// start takes.
 #[test]
 fn three_coefficients_are_told_of_together() {
     let noise = sloped(0.4, &scatter(SAMPLES));
@@ -147,7 +147,8 @@ fn the_scatter_between_records_is_in_the_error_bars() {
     assert!(slope.ci95.1 > 3.0 && slope.ci95.0 < -1.0, "{slope:?}");
 }
 
-/// A constant that another record contradicts is told of as a coefficient is, also where nothing else is sought.
+/// A constant that another record contradicts is told of as a coefficient is, also where nothing else is
+/// sought.
 #[test]
 fn a_constant_that_does_not_carry_over_is_told() {
     let noise = scatter(SAMPLES);

@@ -1,5 +1,5 @@
-//! On a line the fit is a regression by hand; what a trial may cost and where another start lies can be written
-//! down too.
+//! On a line the fit is a regression by hand; what a trial may cost and where another start lies can be
+//! written down too.
 
 use super::*;
 use crate::line_models::{STEP, lever, leverage, records, scatter};
@@ -39,8 +39,8 @@ fn problem<'a>(case: &'a Case, records: &'a [Record], pieces: usize) -> (Problem
     (Problem::new(&case.system, &[], &[&records[0]], &[pieces]).unwrap(), noise)
 }
 
-/// The first record is to validate: it moves nothing. What is left of the second one is noise, or a wave beside
-/// it that makes its samples count as few.
+/// The first record is to validate: it moves nothing. What is left of the second one is noise, or a wave
+/// beside it that makes its samples count as few.
 #[test]
 fn a_line_is_calibrated_by_regression() {
     let wave = line().iter().enumerate().map(|(i, x)| x + 0.3 * (0.5 * STEP * i as f64).sin()).collect();
@@ -228,8 +228,8 @@ fn a_run_that_starts_astray_is_put_on_the_data() {
     }
 }
 
-/// A line has the slope of a parabola nowhere but at one place: segments tell so, and a few steps tell how far behind it
-/// is. What segments do not rule out is fitted as ever, and from where segments ended too.
+/// A line has the slope of a parabola nowhere but at one place: segments tell so, and a few steps tell how
+/// far behind it is. What segments do not rule out is fitted as ever, and from where segments ended too.
 #[test]
 fn a_rival_that_segments_rule_out_is_given_up() {
     let parabola = line().iter().enumerate().map(|(i, x)| x + 4e-4 * (i as f64 - 100.0).powi(2)).collect();

@@ -15,8 +15,8 @@ const CUTS: [&[usize]; 2] = [&[0, 30, 60, 90], &[0, 30, 61]];
 const TAU: [f64; 2] = [0.3, 0.7];
 const BELIEF: f64 = 2.5;
 
-/// The first record has two columns, with an offset, a gain and a delay of the one and a gain of the other; in
-/// the second one the gain is the spring's number, whatever that means.
+/// The first record has two columns, with an offset, a gain and a delay of the one and a gain of the other;
+/// in the second one the gain is the spring's number, whatever that means.
 fn springs() -> (Case, Vec<Record>) {
     let column =
         |n: usize, turn: f64| -> Vec<f64> { (0..n).map(|i| (0.13 * i as f64 + turn).cos()).collect() };
@@ -42,8 +42,8 @@ fn problem<'a>(case: &'a Case, records: &'a [Record], joined: bool) -> Problem<'
     problem
 }
 
-/// Load; spring; load, sensors and three starts of the first record; load, offset and two starts of the second
-/// one.
+/// Load; spring; load, sensors and three starts of the first record; load, offset and two starts of the
+/// second one.
 fn unknowns() -> Vec<f64> {
     let first = [0.02, 0.05, 1.1, 0.13, 0.9, 1.0, 0.1, -0.4, 0.9, -0.6, -0.7];
     let second = [-0.03, 0.04, 0.8, -0.5, -0.9, 0.2];

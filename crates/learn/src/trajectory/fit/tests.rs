@@ -189,7 +189,8 @@ fn a_known_model_never_ends_above_where_its_spec_starts() {
     }
 }
 
-/// A line in pieces is one line; one that jumps between them is not, and a spec that asks for pieces gets them.
+/// A line in pieces is one line; one that jumps between them is not, and a spec that asks for pieces gets
+/// them.
 #[test]
 fn pieces_are_joined_unless_the_run_drifts() {
     let lifted = |i: usize| if (i / 20).is_multiple_of(2) { 0.0 } else { 6.0 };
@@ -237,8 +238,8 @@ fn white_is_what_counts_or_has_no_power() {
     assert!(fitted_terms(&case, &records, SIGMA, &[0, 1]).chance_of_noise() > 1e-3);
 }
 
-/// Friction of 0.5 stops a throw of 1.5 after three seconds; what is given up takes four times the steps, and a
-/// thousand.
+/// Friction of 0.5 stops a throw of 1.5 after three seconds; what is given up takes four times the steps, and
+/// a thousand.
 #[test]
 fn a_throw_comes_to_rest() {
     let spec = r#"states: {"x": "", "v": ""}, known: {"x": "v", "v": "0"}, unknown: {"v": (factor: "-sgn(v)", candidates: ["1"])}, contacts: ["v"]"#;

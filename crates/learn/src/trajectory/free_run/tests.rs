@@ -32,8 +32,8 @@ fn bent(samples: usize) -> Vec<f64> {
     scatter(samples).iter().enumerate().map(|(i, e)| 2.0 + 1e-4 * (i * i) as f64 + 0.1 * e).collect()
 }
 
-/// The start of a line of known slope is a mean: of the whole of a Fit record, of the first tenth of a Validate
-/// record.
+/// The start of a line of known slope is a mean: of the whole of a Fit record, of the first tenth of a
+/// Validate record.
 #[test]
 fn the_start_of_a_line_is_a_mean() {
     let samples = bent(SAMPLES);
@@ -133,8 +133,8 @@ fn a_number_of_its_own_takes_half_of_a_validate_record() {
     assert_relative_eq!(fits[1].residuals[0][SAMPLES - 1], end, max_relative = 1e-6);
 }
 
-/// Two columns, one tells the place of a steady motion and one its speed, and they do not agree: each weighs by
-/// its own scatter.
+/// Two columns, one tells the place of a steady motion and one its speed, and they do not agree: each weighs
+/// by its own scatter.
 #[test]
 fn columns_weigh_by_their_own_scatter() {
     let (place, speed) = (bent(SAMPLES), scatter(SAMPLES).iter().map(|e| 0.02 + 4.0 * e).collect::<Vec<_>>());
@@ -156,8 +156,8 @@ fn columns_weigh_by_their_own_scatter() {
     assert_relative_eq!(fits[0].start[1], (xx * rv - xv * rx) / det, max_relative = 1e-6);
 }
 
-/// Neighbours of `exp(l t)` part: a start that is known to `s` at the beginning is known to `s exp(l t)` later,
-/// in the mean square over the record `sum(all) / sum(part)` of the noise.
+/// Neighbours of `exp(l t)` part: a start that is known to `s` at the beginning is known to `s exp(l t)`
+/// later, in the mean square over the record `sum(all) / sum(part)` of the noise.
 #[test]
 fn a_motion_that_hangs_on_its_start_takes_as_much_as_it_needs() {
     for growth in [0.01, 0.1, 0.2, 0.45] {

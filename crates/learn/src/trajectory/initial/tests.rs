@@ -1,4 +1,5 @@
-//! On a parabola the equations are exact: coefficients, bounds and what a subset explains can be written down.
+//! On a parabola the equations are exact: coefficients, bounds and what a subset explains can be written
+//! down.
 
 use super::*;
 use crate::line_models::{STEP, records};
@@ -32,7 +33,8 @@ fn the_regression_of_a_parabola_is_exact() {
     }
     // In the order in which they are asked for.
     assert_relative_eq!(all.solve(&[4, 1, 0])[0], 0.7, max_relative = 1e-4);
-    // What is explained is what the left sides have: three stretches of 25 samples, each of which moves by 0.7
+    // What is explained is what the left sides have: three stretches of 25 samples, each of which moves by
+    // 0.7
     // * 2.5 in z.
     let power = 3.0 * (0.7 * 2.5_f64).powi(2);
     assert_relative_eq!(all.explained(&[4]), power, max_relative = 1e-4);
@@ -62,8 +64,8 @@ fn a_coefficient_stays_within_its_bounds() {
 fn terms_are_ranked_equation_by_equation() {
     let (case, records) = parabola("");
     let all = Regression::new(&case.system, &records, &[]);
-    // The three stretches move by -0.5, -3 and -5.5, integrals are as here (the last one by logarithms, to what
-    // the trapezoidal rule can do).
+    // The three stretches move by -0.5, -3 and -5.5, integrals are as here (the last one by logarithms, to
+    // what the trapezoidal rule can do).
     let moved = [-0.5, -3.0, -5.5];
     let rows = [[2.5; 3], [6.25, 18.75, 31.25], [7.0 / 9.5, 4.5 / 7.0, 2.0 / 4.5].map(f64::ln)];
     let dot = |a: &[f64; 3], b: &[f64; 3]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();

@@ -1,5 +1,5 @@
-//! The ends of a profile where they can be written down: the slope of a line, and a number whose square is that
-//! slope.
+//! The ends of a profile where they can be written down: the slope of a line, and a number whose square is
+//! that slope.
 
 use super::*;
 use crate::line_models::{STEP, fitted, lever, records, scatter};
