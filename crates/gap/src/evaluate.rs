@@ -42,6 +42,26 @@ pub(crate) fn speed(system: &System, motion: &Motion, place: &Place) -> Option<V
     evaluated(&tape, motion, &[], &[]).pop()
 }
 
+/// The acceleration of what the body of a place is carried by while it rests there: an input, or a belt whose speed
+/// the spec gives. Zero where that is the ground or another body.
+pub(crate) fn carried(system: &System, motion: &Motion, place: &Place) -> Option<Vec<f64>> {
+    let Site::Force { velocity, .. } = &place.site else { return None };
+    let prescribed: Vec<_> = [system.time].into_iter().chain(system.inputs.iter().map(|u| u.node)).collect();
+    let mut graph = system.graph.clone();
+    let slopes = graph.gradient(velocity.node, &prescribed);
+    if slopes.iter().all(|&slope| graph.value(slope) == Some(0.0)) {
+        return None;
+    }
+    let tape = Tape::compile(&graph, &system.arguments(), &slopes).ok()?;
+    let by = evaluated(&tape, motion, &[], &[]);
+    let m = system.inputs.len();
+    let of = |i: usize| {
+        let inputs = (0..m).map(|j| by[1 + j][i] * motion.slopes[i * m + j]);
+        -by[0][i] - inputs.sum::<f64>()
+    };
+    Some((0..motion.samples()).map(of).collect())
+}
+
 /// The first `N` outputs of a tape at every few samples of the run of a record, with the numbers that were
 /// found.
 pub(crate) fn along_run<'a, const N: usize>(
@@ -62,4 +82,32 @@ pub(crate) fn along_run<'a, const N: usize>(
         scratch.at([t].into_iter().chain(states).chain(inputs).chain(numbers.iter().copied()));
         std::array::from_fn(|k| scratch.output(k)[0])
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_models::{fitted, model};
+
+    /// A body that rests on a belt whose speed is `0.3 sin(2 t)` has the acceleration `0.6 cos(2 t)`; the ground and an
+    /// input of other bodies carry nothing.
+    #[test]
+    fn a_belt_of_given_speed_carries_what_rests_on_it() {
+        let (base, noise) = model(
+            r#"(states: { "x": "m", "v": "m/s" }, known: { "x": "v", "v": "-x - 0.1*v" }, unknown: {},
+                contacts: ["v - 0.3*sin(2*t)"],
+                data: [ Synthetic(truth: {}, start: { "x": 1.0, "v": 0.0 }, duration: 10.0, step: 0.05,
+                    noise: Additive(0.01), seed: 1) ])"#,
+        );
+        let fitted = fitted(base, &noise);
+        let model = &fitted.model;
+        let motion = Motion::new(&model.system, &model.records[0], &model.smooth[0], 0, &fitted.cal);
+        let carried = |belt: bool| {
+            let place = model.places().iter().find(|p| p.is_on_base() == belt && p.at.starts_with('v'));
+            super::carried(&model.system, &motion, place.expect("a place"))
+        };
+        let due = motion.time.iter().map(|t| 0.6 * (2.0 * t).cos());
+        assert!(carried(true).expect("a belt").iter().zip(due).all(|(a, due)| (a - due).abs() < 1e-12));
+        assert_eq!(carried(false), None);
+    }
 }

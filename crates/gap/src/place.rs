@@ -55,6 +55,8 @@ pub enum Site {
         shows: Vec<(usize, f64)>,
         /// The velocity state whose units the force takes; `None` where the motion is prescribed.
         state: Option<usize>,
+        /// Whether the body moves against what carries it: an input, or a belt.
+        on_base: bool,
     },
     /// Sensors of the columns with these names.
     Sensor(Vec<String>),
@@ -68,14 +70,9 @@ impl Place {
         self.at == other.at && std::mem::discriminant(&self.site) == std::mem::discriminant(&other.site)
     }
 
-    /// Whether a force acts between two bodies or a body and an input.
-    pub fn is_relative(&self) -> bool {
-        self.at.contains('-')
-    }
-
-    /// Whether a force acts between a body and an input.
+    /// Whether a force acts between a body and what carries it: an input, or a belt.
     pub fn is_on_base(&self) -> bool {
-        self.is_relative() && matches!(&self.site, Site::Force { acts, .. } if acts.len() == 1)
+        matches!(self.site, Site::Force { on_base: true, .. })
     }
 
     /// Converts a unit of a law, times newtons to the power `newtons`, to the units of the place. A law is
@@ -145,7 +142,7 @@ pub fn places(system: &mut System, plans: &[RecordPlan]) -> Vec<Place> {
         // that a spring could use.
         if !all.iter().any(|p: &Place| p.at == at) {
             let velocity = Quantity { text: format!("({at})"), node };
-            all.push(Place { at, site: force(None, velocity, vec![(v, -1.0)], v) });
+            all.push(Place { at, site: on_base(None, velocity, v) });
         }
     }
     all.extend(prescribed(system, plans));
@@ -166,7 +163,13 @@ pub fn places(system: &mut System, plans: &[RecordPlan]) -> Vec<Place> {
 
 /// The site of a force on bodies, with the velocity of body `state`.
 fn force(displacement: Option<Quantity>, velocity: Quantity, acts: Vec<(usize, f64)>, state: usize) -> Site {
-    Site::Force { displacement, velocity, acts, shows: vec![], state: Some(state) }
+    Site::Force { displacement, velocity, acts, shows: vec![], state: Some(state), on_base: false }
+}
+
+/// The site of a force between body `state` and what carries it.
+fn on_base(displacement: Option<Quantity>, velocity: Quantity, state: usize) -> Site {
+    let (acts, shows) = (vec![(state, -1.0)], vec![]);
+    Site::Force { displacement, velocity, acts, shows, state: Some(state), on_base: true }
 }
 
 /// The displacement whose rate is a velocity.
@@ -219,7 +222,7 @@ fn against_inputs(system: &mut System, plans: &[RecordPlan], bodies: &[usize]) -
             let at = format!("{}-{}", states[v].name, du.text);
             let [x, w] = [x, v].map(|k| of_state(system, k));
             let (x, w) = (difference(system, &x, &u), difference(system, &w, &du));
-            all.push(Place { at, site: force(Some(x), w, vec![(v, -1.0)], v) });
+            all.push(Place { at, site: on_base(Some(x), w, v) });
         }
     }
     all
@@ -263,6 +266,7 @@ fn prescribed(system: &System, plans: &[RecordPlan]) -> Vec<Place> {
                     acts: vec![],
                     shows,
                     state: None,
+                    on_base: false,
                 },
             });
         }

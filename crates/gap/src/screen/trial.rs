@@ -1,7 +1,7 @@
 //! The columns of a law at a place: its response to the measured motion, for each combination of grid values.
 
 use super::regression_data::RegressionData;
-use crate::evaluate::evaluated;
+use crate::evaluate::{carried, evaluated};
 use crate::memory::internal_states;
 
 use super::grid::grids;
@@ -259,6 +259,7 @@ pub(super) fn holding_rates(
 ) -> Vec<f64> {
     let n = system.states.len();
     let mut g = vec![0.0; data.motion.samples() * n];
+    let carried = carried(system, &data.motion, place).filter(|_| !at_rest.is_empty());
     for &i in at_rest {
         let (mut toward, mut give) = (0.0, 0.0);
         for (j, &(state, _)) in acts.iter().enumerate() {
@@ -266,19 +267,12 @@ pub(super) fn holding_rates(
             toward += c * data.rates[i * n + state];
             give += c * unit[j][i];
         }
-        toward -= base_slope(system, place, data, i);
+        toward -= carried.as_ref().map_or(0.0, |acceleration| acceleration[i]);
         for (j, &(state, _)) in acts.iter().enumerate() {
             g[i * n + state] = -toward / give * unit[j][i];
         }
     }
     g
-}
-
-/// The acceleration of the input against which a body rests.
-fn base_slope(system: &System, place: &Place, data: &RegressionData, i: usize) -> f64 {
-    let Some((_, second)) = place.at.split_once('-') else { return 0.0 };
-    let m = data.motion.inputs.len() / data.motion.samples();
-    system.input(second).map_or(0.0, |u| data.motion.slopes[i * m + u])
 }
 
 /// Internal states along a motion, for up to [`LANES`] combinations of grid values: by combination and state.
