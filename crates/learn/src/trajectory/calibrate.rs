@@ -3,7 +3,7 @@
 
 use crate::decisions::{
     ASTRAY, FAR_GAIN, LIKELIHOOD_GAIN, MEMORY_STEPS, MISFIT, QUICK_SEGMENTS, QUICK_SINGLE, RESTART_MINIMUM,
-    RESTART_PROMISE, RESTART_REACH, RESTARTS, SEGMENT_TOLERANCE, SEGMENTS_MINIMUM, SINGLE_ITERATIONS, STAGES,
+    RESTART_PROMISE, RESTART_REACH, RESTARTS, ROUGH_TOLERANCE, SEGMENTS_MINIMUM, SINGLE_ITERATIONS, STAGES,
     STEPS_TO_ONE, TOLERANCE, TRIAL_BASE_STEPS, TRIAL_STEPS, TRIAL_TOLERANCE, WRONG_MODEL,
 };
 use crate::least_squares::Limits;
@@ -232,8 +232,10 @@ impl<'a> Stage<'a> {
         // Error bars are asked of one model, which need not be quick.
         problem.budget = (effort != Effort::Errors).then(|| budget(&problem));
         if effort == Effort::Plain {
-            let part = if pieces == 1 { TRIAL_TOLERANCE } else { SEGMENT_TOLERANCE };
-            problem.tolerance = tolerance(&problem, noise, part);
+            problem.tolerance = match pieces {
+                1 => tolerance(&problem, noise, TRIAL_TOLERANCE),
+                _ => rough_tolerance(&problem, noise),
+            };
         }
         let mut x = problem.guess(&[], None, starts);
         if let Some(begun) = setup.begun.filter(|begun| pieces == STAGES[0] && begun.x.len() == x.len()) {
@@ -283,7 +285,7 @@ fn step_by_step(system: &System, setup: &Setup<'_>, samples: usize, parted: Stag
 /// is wrong. A memory that fades within a fraction of a sample cannot be told from none, and takes many
 /// steps.
 fn budget(problem: &Problem<'_>) -> usize {
-    let longest = problem.segments.iter().map(|s| s.samples.1 - s.samples.0).max().unwrap_or(0);
+    let longest = problem.longest_segment();
     let states = &problem.system.states;
     let measured = |k: usize| problem.records.iter().any(|r| r.columns[k].is_some());
     let memory = (0..states.len()).any(|k| {
@@ -303,6 +305,13 @@ fn tolerance(problem: &Problem<'_>, noise: &Noise, [of_noise, of_size]: [f64; 2]
         (0..noise.len()).filter_map(of)
     });
     (of_noise * parts.fold(f64::INFINITY, f64::min)).clamp(TOLERANCE, of_size)
+}
+
+/// The same where trials are compared by a factor of their costs, or led to the start of a single run: the errors of
+/// a step for each sample add up to a part of the noise at the end of a segment.
+fn rough_tolerance(problem: &Problem<'_>, noise: &Noise) -> f64 {
+    let [of_noise, of_size] = ROUGH_TOLERANCE;
+    tolerance(problem, noise, [of_noise / problem.longest_segment().max(1) as f64, of_size])
 }
 
 /// The range of chi^2 per sample in which [`Effort::Thorough`] tries other starts. Below it there is nothing
@@ -464,7 +473,7 @@ fn cost_after_few_iterations(
     minimum: [f64; 2],
 ) -> Option<SegmentFit> {
     problem.budget = Some(budget(&problem));
-    problem.tolerance = tolerance(&problem, noise, SEGMENT_TOLERANCE);
+    problem.tolerance = rough_tolerance(&problem, noise);
     let mut x = problem.guess(&[], None, starts);
     let weights = problem.weights(noise, None);
     let normal = problem.minimise(&mut x, &weights, Limits::of(minimum)).ok()?;

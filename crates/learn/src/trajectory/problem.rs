@@ -321,6 +321,11 @@ impl<'a> Problem<'a> {
         (offset + gain * value, gain)
     }
 
+    /// Samples of the longest segment.
+    pub(crate) fn longest_segment(&self) -> usize {
+        self.segments.iter().map(|s| s.samples.1 - s.samples.0).max().unwrap_or(0)
+    }
+
     /// The most steps that a segment takes at `x`, tries included.
     pub(crate) fn steps(&self, x: &[f64]) -> usize {
         let runs = self
