@@ -33,6 +33,8 @@ decisions! {
 
     /// A record with fewer samples cannot be learned from.
     FEWEST_SAMPLES: usize = 20, "samples", Basis::Judgement("a start state, a noise level and a few coefficients need some samples each");
+    /// A filter that settles in a smaller part of the time between two samples shows in none of them.
+    FILTER_SEEN: f64 = 0.1, "of a sample", Basis::Judgement("a tenth of a sample late moves a reading by less than the noise of most sensors");
 
     // Least squares.
 

@@ -1,6 +1,7 @@
 //! Identification from start to end, whatever the method.
 
-use crate::decisions::{FEWEST_SAMPLES, FINE_NRMSE, WORSE};
+use crate::decisions::{FINE_NRMSE, WORSE};
+use crate::record_mistakes::{suitable, unreadable};
 use crate::result::contribution::contributions;
 use crate::result::error::{DataError, LearnError};
 use crate::result::estimate::Estimate;
@@ -16,7 +17,6 @@ use crate::trajectory::kalman_smoother::reads_outputs;
 use crate::trajectory::method::by_trajectory;
 use phisindy_phys::spec::{Method, Role};
 use phisindy_phys::{Case, Record, System};
-use phisindy_signal::standard_deviation;
 use rayon::prelude::*;
 use std::ops::ControlFlow;
 
@@ -65,7 +65,7 @@ pub fn identify(
     for record in &fitted {
         suitable(&case.system, record)?;
     }
-    if let Some(wrong) = records.iter().find_map(|r| column_out_of_range(&case.system, r)) {
+    if let Some(wrong) = records.iter().find_map(|r| unreadable(&case.system, r)) {
         return Err(wrong.into());
     }
     let with_sizes;
@@ -139,44 +139,6 @@ fn remarks(system: &System, found: &mut Identified) {
     if validate > FINE_NRMSE && validate > WORSE * fit {
         found.warnings.push(Warning::ValidationWorse { fit, validate });
     }
-}
-
-/// Refuses a record from which nothing can be learned.
-///
-/// # Errors
-/// It has too few samples, or a column that does not move or is out of range.
-pub fn suitable(system: &System, record: &Record) -> Result<(), LearnError> {
-    if record.len() < FEWEST_SAMPLES {
-        let (record, samples) = (record.name.clone(), record.len());
-        return Err(DataError::TooFewSamples { record, samples }.into());
-    }
-    dead_column(system, record).map_or(Ok(()), |dead| Err(dead.into()))
-}
-
-/// What is wrong with a record in which the squares of a moving column are no numbers, or all zero: nothing
-/// can be said of how well it is met.
-fn column_out_of_range(system: &System, record: &Record) -> Option<DataError> {
-    let out = |c: &Option<Vec<f64>>| {
-        let moves = |c: &&Vec<f64>| c.iter().any(|v| *v != c[0]);
-        c.as_ref()
-            .filter(moves)
-            .is_some_and(|c| !(c.len() as f64 * standard_deviation(c).powi(2)).is_normal())
-    };
-    let k = record.columns.iter().position(out)?;
-    let column = system.measured(k).0.to_owned();
-    Some(DataError::OutOfRange { record: record.name.clone(), column })
-}
-
-/// What is wrong with a record in which a measured column does not move, or is beyond what can be computed
-/// with.
-pub fn dead_column(system: &System, record: &Record) -> Option<DataError> {
-    if let Some(wrong) = column_out_of_range(system, record) {
-        return Some(wrong);
-    }
-    let still = |c: &Option<Vec<f64>>| c.as_ref().is_some_and(|c| c.iter().all(|v| *v == c[0]));
-    let k = record.columns.iter().position(still)?;
-    let column = system.measured(k).0.to_owned();
-    Some(DataError::ConstantColumn { record: record.name.clone(), column })
 }
 
 #[cfg(test)]

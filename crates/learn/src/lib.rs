@@ -18,14 +18,16 @@ mod least_squares;
 #[cfg(test)]
 mod line_models;
 mod linear;
+mod record_mistakes;
 mod result;
 mod step;
 mod sweep;
 mod trajectory;
 
 pub use decisions::decisions;
-pub use identify::{LearnOptions, dead_column, identify, suitable};
+pub use identify::{LearnOptions, identify};
 pub use input_noise::noisier;
+pub use record_mistakes::{dead_column, suitable};
 pub use result::error::{DataError, LearnError, ModelError, NumericsError, TruthError};
 pub use result::estimate::Estimate;
 pub use result::identified::{Identified, NoiseModel, PathPoint, StopReason};

@@ -161,6 +161,13 @@ pub enum SimError {
         /// The time reached.
         time: f64,
     },
+    /// What a sensor reads is not a finite number.
+    NoReading {
+        /// The time of the sample.
+        time: f64,
+        /// Name of the output.
+        output: String,
+    },
 }
 
 impl fmt::Display for SimError {
@@ -173,6 +180,12 @@ impl fmt::Display for SimError {
             SimError::TooManySteps { time } => write!(f, "the step length collapsed at t = {time:.6}"),
             SimError::TooManyEvents { time, switch } => {
                 write!(f, "`{switch}` changes sign without end at t = {time:.6}")
+            }
+            SimError::NoReading { time, output } => {
+                write!(
+                    f,
+                    "the output `{output}` is not a number at t = {time:.6}: a root, power or logarithm of something negative, or a division by zero?"
+                )
             }
             SimError::Stopped { time } => write!(f, "it was stopped at t = {time:.6}"),
         }

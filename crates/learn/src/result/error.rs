@@ -61,7 +61,7 @@ impl From<NumericsError> for LearnError {
 }
 
 /// What is wrong with the records.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum DataError {
     /// No record has the role Fit.
     NothingToFit,
@@ -85,6 +85,37 @@ pub enum DataError {
         record: String,
         /// Name of the column's state.
         column: String,
+    },
+    /// A column holds something that is not a finite number.
+    NotANumber {
+        /// Name of the record.
+        record: String,
+        /// Name of the column's state or output.
+        column: String,
+        /// When, s.
+        time: f64,
+    },
+    /// A sensor is as late as the record is long, or later.
+    DelayBeyondRecord {
+        /// Name of the record.
+        record: String,
+        /// Name of the column.
+        column: String,
+        /// The delay, s.
+        delay: f64,
+        /// How long the record is, s.
+        duration: f64,
+    },
+    /// A low-pass filter settles so much faster than the samples follow each other that none shows it.
+    FilterBetweenSamples {
+        /// Name of the record.
+        record: String,
+        /// Name of the column.
+        column: String,
+        /// Its cutoff, Hz.
+        cutoff: f64,
+        /// The sampling rate, Hz.
+        rate: f64,
     },
     /// Method step lacks samples of states that cannot be derived from a column.
     MissingStates {

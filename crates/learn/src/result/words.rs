@@ -320,6 +320,18 @@ impl Display for DataError {
                 f,
                 "{record}: the numbers of the column of {column} are too large or too small to compute with (their squares overflow): state its unit, or repair the file"
             ),
+            DataError::NotANumber { record, column, time } => write!(
+                f,
+                "{record}: {column} is not a number at t = {time:.6}: a root, power or logarithm of something negative, or a division by zero?"
+            ),
+            DataError::DelayBeyondRecord { record, column, delay, duration } => write!(
+                f,
+                "{record}: the delay of {column} is {delay} s, and the record lasts {duration:.6} s: nothing of it is seen; is the delay in seconds?"
+            ),
+            DataError::FilterBetweenSamples { record, column, cutoff, rate } => write!(
+                f,
+                "{record}: the lowpass of {column} at {cutoff} Hz settles within a tenth of a sample at {rate:.6} Hz, so no sample shows it: leave it out"
+            ),
             DataError::MissingStates { record, states } => write!(
                 f,
                 "{record}: method step needs samples of every state, and {} cannot be derived from a column; use --method trajectory",

@@ -236,7 +236,20 @@ impl<'a> Problem<'a> {
         parameters[own..].iter_mut().skip(DELAY).step_by(3).for_each(|delay| *delay = 0.0);
         let inputs = self.input_sensors.signals(self.records[record], record, &self.delays(record, x));
         let drive = Drive { inputs: &inputs, parameters: &parameters };
-        simulate(&self.automaton, &drive, start.0, start.1, times, options)
+        let run = simulate(&self.automaton, &drive, start.0, start.1, times, options)?;
+        self.readable(record, &run, times).map(|()| run)
+    }
+
+    /// Checks that what the record measures is a number all along a run: states are, outputs need not be.
+    fn readable(&self, record: usize, run: &Trajectory, times: &[f64]) -> Result<(), SimError> {
+        for k in (self.system.states.len()..run.n).filter(|&k| self.records[record].columns[k].is_some()) {
+            let lost = |&i: &usize| !run.states[i * run.n + k].is_finite();
+            if let Some(i) = (0..run.samples()).find(lost) {
+                let output = self.system.measured(k).0.to_owned();
+                return Err(SimError::NoReading { time: times[i], output });
+            }
+        }
+        Ok(())
     }
 
     /// Simulates one segment; with the derivatives by everything that is unknown in it.

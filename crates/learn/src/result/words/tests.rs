@@ -148,7 +148,7 @@ fn warnings() {
 #[test]
 fn rejections_and_errors() {
     let diverged = || ModelError::Simulation(SimError::Diverged { time: 1.5, state: "x".into() });
-    let all: [(&dyn Display, &str); 17] = [
+    let all: [(&dyn Display, &str); 20] = [
         (
             &Rejection::NoTerms { known: vec![("a".into(), 0.25), ("b".into(), 1.0)] },
             "no candidate of the dictionary explains anything, so none is kept (NRMSE of the known part alone: a 0.250, b 1.000)",
@@ -181,6 +181,28 @@ fn rejections_and_errors() {
         (
             &DataError::ConstantColumn { record: "a".into(), column: "x".into() },
             "a: the column of x is constant: nothing moved, or the sensor is dead; leave the column out, or take a window in which it moves",
+        ),
+        (
+            &DataError::NotANumber { record: "a".into(), column: "x".into(), time: 0.5 },
+            "a: x is not a number at t = 0.500000: a root, power or logarithm of something negative, or a division by zero?",
+        ),
+        (
+            &DataError::DelayBeyondRecord {
+                record: "a".into(),
+                column: "x".into(),
+                delay: 50.0,
+                duration: 6.0,
+            },
+            "a: the delay of x is 50 s, and the record lasts 6.000000 s: nothing of it is seen; is the delay in seconds?",
+        ),
+        (
+            &DataError::FilterBetweenSamples {
+                record: "a".into(),
+                column: "x".into(),
+                cutoff: 1e3,
+                rate: 250.0,
+            },
+            "a: the lowpass of x at 1000 Hz settles within a tenth of a sample at 250.000000 Hz, so no sample shows it: leave it out",
         ),
         (
             &DataError::MissingStates { record: "a".into(), states: vec!["x".into(), "y".into()] },

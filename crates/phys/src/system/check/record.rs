@@ -51,7 +51,17 @@ impl Checker {
             for (value, which) in slots {
                 let Some(value) = value else { continue };
                 let parameter = match value {
-                    SensorValue::Number(x) => SensorParameter::fixed(x.value),
+                    SensorValue::Number(x) => {
+                        if which == 1 && x.value == 0.0 {
+                            self.error("a gain of 0 shows nothing of what is measured", x.span, "")
+                                .help
+                                .push(
+                                    "write the factor from the quantity to the reading, or `Find(...)`"
+                                        .into(),
+                                );
+                        }
+                        SensorParameter::fixed(x.value)
+                    }
                     SensorValue::Constant(name) => match self.sensor_constant(name, system) {
                         Some(parameter) => parameter,
                         None => continue,
