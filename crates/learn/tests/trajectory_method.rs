@@ -310,7 +310,8 @@ fn the_unknown_part_is_a_curve_over_velocity_with_its_band_and_the_truth() {
         panic!("{parts:?}");
     };
     let (None, curve) = &curves[0] else { panic!("one curve for all records") };
-    assert_eq!((velocity.as_str(), curves.len()), ("y", 1));
+    let y = case.system.state("y").expect("a state");
+    assert_eq!((*velocity, curves.len()), (case.system.states[y].node, 1));
     let (Some(band), Some(truth)) = (&curve.band, &curve.truth) else { panic!("a band and a truth") };
     for (k, v) in curve.velocity.iter().enumerate().filter(|(_, v)| **v != 0.0) {
         // Half a newton for each kilogram, against the motion.

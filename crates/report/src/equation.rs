@@ -17,6 +17,8 @@ pub struct Equation {
     pub latex: String,
     /// The right side in the language of the specs, numbers in full precision.
     pub text: String,
+    /// The names that the right side uses.
+    pub(crate) uses: Vec<String>,
 }
 
 /// The equations of all states that have candidates. Where the spec names laws, asks for formulas, or has no
@@ -110,6 +112,9 @@ impl Writer {
         };
         let text = |graph: &Graph, id: Id| graph.text(id, names);
         let graph = &mut self.graph;
+        let of_brackets = brackets.iter().flat_map(|(factor, sum)| sum.nodes().chain([*factor]));
+        let nodes: Vec<Id> = plain.nodes().chain(of_brackets).collect();
+        let uses = graph.symbols(&nodes).into_iter().map(|s| names.name(s).to_owned()).collect();
         let left = dotted(&system.states[state].name);
         Equation {
             state,
@@ -118,6 +123,7 @@ impl Writer {
                 written(graph, &plain, &brackets, &latex, ["\\left(", "\\right)", "\\left[", "\\right]"])
             ),
             text: written(graph, &plain, &brackets, &text, ["(", ")", "*(", ")"]),
+            uses,
         }
     }
 }
@@ -167,11 +173,10 @@ fn dotted(name: &str) -> String {
 
 /// Names in the equations that have one value per record.
 pub(crate) fn names_of_records(system: &System, equations: &[Equation]) -> Vec<String> {
-    let words: HashSet<&str> =
-        equations.iter().flat_map(|e| e.text.split(|c: char| !c.is_alphanumeric() && c != '_')).collect();
-    let each = system.parameters.iter().filter(|p| p.each).map(|p| p.name.as_str());
-    let all = system.record_constants.iter().map(|(name, _)| name.as_str()).chain(each);
-    all.filter(|name| words.contains(name)).map(str::to_owned).collect()
+    let used: HashSet<&String> = equations.iter().flat_map(|e| &e.uses).collect();
+    let each = system.parameters.iter().filter(|p| p.each).map(|p| &p.name);
+    let all = system.record_constants.iter().map(|(name, _)| name).chain(each);
+    all.filter(|name| used.contains(name)).cloned().collect()
 }
 
 #[cfg(test)]

@@ -18,8 +18,8 @@ const ROWS: usize = 10_000;
 pub struct UnknownPart {
     /// Index of the state.
     pub state: usize,
-    /// The velocity against which it is described, in the language of the specs.
-    pub velocity: String,
+    /// The velocity against which it is described, as a node of the system's graph.
+    pub velocity: Id,
     /// Whether it was multiplied by the inertia of the state.
     pub force: bool,
     /// Its values.
@@ -132,8 +132,8 @@ impl<'a> Part<'a> {
             });
             PartValues::Cloud(cloud.collect::<Option<_>>()?)
         };
-        let velocity = self.graph.text(self.velocity, &self.system.names);
-        Some(UnknownPart { state: self.state, velocity, force: self.inertia.is_some(), values })
+        let (velocity, force) = (self.velocity, self.inertia.is_some());
+        Some(UnknownPart { state: self.state, velocity, force, values })
     }
 
     /// Numbers of the parameters in a record, then its constants.

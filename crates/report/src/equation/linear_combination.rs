@@ -10,6 +10,11 @@ pub(crate) struct LinearCombination {
 }
 
 impl LinearCombination {
+    /// The nodes of its parts.
+    pub(crate) fn nodes(&self) -> impl Iterator<Item = Id> {
+        self.parts.iter().map(|(_, id)| *id)
+    }
+
     /// Decomposes a node. Sums are expanded and numbers multiplied in, except for a multiple of the sum of
     /// two names: `-386.7 (x - u)` says more than `-386.7 x + 386.7 u`.
     pub(crate) fn of(graph: &mut Graph, root: Id) -> LinearCombination {

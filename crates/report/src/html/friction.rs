@@ -5,9 +5,10 @@ use super::table::unit as unit_words;
 use crate::chart::{Axis, Chart, Entry, Mark, Panel, Place, Sheet, Swatch, digits, legend};
 use crate::measured_force::Parts;
 use crate::run::{Resistance, resistance};
+use phisindy_expr::Id;
 use phisindy_learn::{Curve, Identified, PartValues, UnknownPart, unknown_parts};
 use phisindy_phys::unit::{Dimension, Unit};
-use phisindy_phys::{Case, Record};
+use phisindy_phys::{Case, Record, System};
 
 const HIGH: f64 = 200.0;
 /// Most dots of a cloud.
@@ -61,8 +62,9 @@ fn part_charts(
     };
     let unit = unit_words(&unit);
     let what = if part.force { "resisting force" } else { "resistance" };
-    let velocity = velocity_unit(case, &part.velocity);
-    let axes = Axes { unit, what, part, measured, state: &state.name, velocity, sheet };
+    let velocity = case.system.graph.text(part.velocity, &case.system.names);
+    let velocity_unit = velocity_unit(&case.system, part.velocity);
+    let axes = Axes { unit, what, measured, state: &state.name, velocity, velocity_unit, sheet };
     match &part.values {
         PartValues::Curves(curves) => {
             let of =
@@ -110,25 +112,23 @@ fn low_speeds(panel: &Panel) -> Option<Panel> {
     })
 }
 
-/// The unit of the velocity; a difference of velocities has that of the first.
-fn velocity_unit(case: &Case, velocity: &str) -> String {
-    let words = velocity.split(|c: char| !c.is_alphanumeric() && c != '_');
-    let unit = |word: &str| {
-        let state = case.system.state(word).map(|k| case.system.states[k].unit.as_str());
-        let unit = state.or(case.system.input(word).map(|k| case.system.inputs[k].unit.as_str()))?;
-        // Curves are in SI units.
-        Unit::parse(unit).ok().map(|u| unit_words(&u.dimension.to_string())).filter(|text| !text.is_empty())
-    };
-    words.into_iter().find_map(unit).unwrap_or_default()
+/// The unit of a velocity; a difference of velocities has that of the first.
+fn velocity_unit(system: &System, velocity: Id) -> String {
+    let of_states = system.states.iter().map(|s| (s.node, &s.unit));
+    let mut all = of_states.chain(system.inputs.iter().map(|u| (u.node, &u.unit)));
+    let used = |&(node, _): &(Id, &String)| system.graph.uses(&[velocity], &[node]);
+    // Curves are in SI units.
+    let unit = all.find(used).and_then(|(_, unit)| Unit::parse(unit).ok());
+    unit.map_or(String::new(), |unit| unit_words(&unit.dimension.to_string()))
 }
 
 struct Axes<'a> {
     unit: String,
     what: &'a str,
-    part: &'a UnknownPart,
     measured: Option<&'a Resistance>,
     state: &'a str,
     velocity: String,
+    velocity_unit: String,
     sheet: Sheet,
 }
 
@@ -140,7 +140,7 @@ impl Axes<'_> {
         mut marks: Vec<Mark>,
         name: Option<&str>,
     ) -> Panel {
-        let x = Axis::around(&self.part.velocity, &self.velocity, points.clone().map(|p| p.0));
+        let x = Axis::around(&self.velocity, &self.velocity_unit, points.clone().map(|p| p.0));
         let measured = middle(self.measured(name).flatten());
         let y = Axis::around(self.what, &self.unit, points.map(|p| p.1).chain([0.0]).chain(measured));
         marks.splice(0..0, dots(self.measured(name), (x.ends(), y.ends()), self.sheet));
@@ -233,7 +233,7 @@ impl Axes<'_> {
                 .map_or(String::new(), |b| format!(" [{}, {}]", digits(b[k].0, 4), digits(b[k].1, 4)));
             let truth =
                 curve.truth.as_ref().map_or(String::new(), |t| format!(", truth {}", digits(t[k], 4)));
-            let at = format!("{} = {}", self.part.velocity, digits(curve.velocity[k], 2));
+            let at = format!("{} = {}", self.velocity, digits(curve.velocity[k], 2));
             format!("{}{band} at {at}{truth}", digits(curve.value[k], 4))
         };
         let unit = if self.unit.is_empty() { String::new() } else { format!(" in {}", self.unit) };
@@ -256,7 +256,7 @@ impl Axes<'_> {
         let title = format!("Identified {} in the equation of {}", self.what, self.state);
         let said = format!(
             "It depends on more than {}, so it is a cloud: {} to {} {}.{}",
-            self.part.velocity,
+            self.velocity,
             digits(low, 3),
             digits(high, 3),
             self.unit,

@@ -30,17 +30,14 @@ pub(crate) fn resistance(
         let share = graph.mul(c, system.terms[f.term].value);
         sum = graph.add(sum, share);
     }
-    let contacts = system.contacts.iter().map(|c| c.node);
-    let velocity = contacts
-        .chain([system.states[part.state].node])
-        .find(|node| graph.text(*node, &system.names) == part.velocity)?;
     let one = graph.constant(1.0);
     let inertia = system.inertia[part.state].filter(|_| part.force).unwrap_or(one);
     let share = graph.mul(inertia, sum);
     let force = graph.neg(share);
     let rate = graph.add(system.known[part.state], sum);
     let tape =
-        Tape::compile(&graph, &system.arguments(), &[velocity, force, velocity, rate, inertia]).ok()?;
+        Tape::compile(&graph, &system.arguments(), &[part.velocity, force, part.velocity, rate, inertia])
+            .ok()?;
     let mut scratch = Scratch::<1>::new(&tape);
     let body = Body {
         system,
