@@ -227,6 +227,28 @@ fn rows_that_lack_a_value_are_left_out() {
     holds(&refused.err, &["has no value in line 9", "say `missing: Omit` in the record"]);
 }
 
+/// A number that no sensor reads is no value, for `new` as for a run.
+#[test]
+fn rows_with_an_infinite_number_are_left_out() {
+    let file = table("time_s,x_mm", 800, |k, t| {
+        if k == 300 { format!("{t:.3},inf") } else { format!("{t:.3},{:.4}", (9.0 * t).sin()) }
+    });
+    let (scratch, text, said) = made("infinite", file.as_bytes());
+    holds(&said.err, &["1 of 800 rows lack a value (first in line 302)"]);
+    checked(&scratch, &text);
+}
+
+#[test]
+fn a_column_without_a_heading_is_called_by_its_number() {
+    let file = table("time_s,,F_N", 600, |_, t| {
+        format!("{t:.3},{:.5},{:.5}", (6.0 * t).sin(), 2.0 * (6.0 * t + 0.5).sin())
+    });
+    let (scratch, text, said) = made("unnamed", file.as_bytes());
+    holds(&said.err, &["motion `2`", "note: column 2 has no heading: its number is its name"]);
+    holds(&text, &["\"x\": \"2\""]);
+    checked(&scratch, &text);
+}
+
 #[test]
 fn one_column_is_a_motion_without_times() {
     let file = table("ACC_Z [g]", 400, |_, t| format!("{:.4}", (9.0 * t).sin()));
@@ -388,6 +410,14 @@ fn bad_files_are_refused_with_the_place_and_what_to_do() {
             "still",
             table("time_s,x_mm", 50, |_, t| format!("{t},1.5")).into(),
             &["no column of motion", "displacement"],
+        ),
+        (
+            "commas",
+            table("time_s,x_mm,F_N", 50, |k, t| {
+                format!("{t:.4};{:.4};{k}.5", (5.0 * t).sin()).replace('.', ",").replace(';', ",")
+            })
+            .into(),
+            &["line 2 of", "has 6 fields, the heading has 3", "the decimal mark too", "export them with `;`"],
         ),
         (
             "marks",

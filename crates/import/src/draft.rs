@@ -155,11 +155,11 @@ impl Draft {
         needed.filter(move |name| shared(name)).map(|name| Remark::SharedHeading(name.to_owned()))
     }
 
-    /// Remarks on other sheets and on channels with a rate of their own.
+    /// Remarks on other sheets and on what was done to read the file.
     fn of_the_file(&self) -> Vec<Remark> {
         let (sheets, notes) = (&self.table.other_sheets, &self.table.notes);
         let sheets = (!sheets.is_empty()).then(|| Remark::OtherSheets(sheets.clone()));
-        sheets.into_iter().chain(notes.iter().cloned().map(Remark::OtherRate)).collect()
+        sheets.into_iter().chain(notes.iter().cloned().map(Remark::Note)).collect()
     }
 
     /// A remark if the unit of the time is a guess.

@@ -32,8 +32,8 @@ pub enum Remark {
     },
     /// Sheets of the file that hold numbers too.
     OtherSheets(Vec<String>),
-    /// Channels that have a rate of their own, and what was done to them.
-    OtherRate(String),
+    /// What was done to read the file.
+    Note(String),
     /// Two columns share a heading that the model needs.
     SharedHeading(String),
     /// Time goes back, and no column counts the runs.
@@ -74,8 +74,8 @@ pub enum Remark {
 impl Remark {
     /// Whether the user has to check or correct something before a run.
     pub fn needs_edit(&self) -> bool {
-        use Remark::{MoreTrials, OmittedRows, OtherRate, OtherSheets};
-        !matches!(self, MoreTrials { .. } | OmittedRows { .. } | OtherSheets(_) | OtherRate(_))
+        use Remark::{MoreTrials, Note, OmittedRows, OtherSheets};
+        !matches!(self, MoreTrials { .. } | OmittedRows { .. } | OtherSheets(_) | Note(_))
     }
 }
 
@@ -109,7 +109,7 @@ impl fmt::Display for Remark {
                     "the file has other sheets with numbers: `{list}` (name one with `phisindy new --sheet`)"
                 )
             }
-            Remark::OtherRate(what) => f.write_str(what),
+            Remark::Note(what) => f.write_str(what),
             Remark::SharedHeading(name) => write!(
                 f,
                 "two columns are called `{name}`: rename one of them in the file before you run this"
