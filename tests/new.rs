@@ -239,6 +239,24 @@ fn rows_with_an_infinite_number_are_left_out() {
 }
 
 #[test]
+fn dates_in_days_are_no_seconds() {
+    for first in [45_382.0, 739_340.0] {
+        let file = table("Zeit;Weg [mm]", 600, |k, t| {
+            format!("{:.11};{:.4}", first + 0.05 * k as f64 / 86_400.0, (9.0 * t).sin())
+        });
+        let (_, text, said) = made("days", file.as_bytes());
+        holds(
+            &said.err,
+            &["30 s at 20", "note: the heading `Zeit` gives no unit: its values are taken for dates in days"],
+        );
+        holds(&text, &["time: (\"Zeit\", \"d\")", "EDIT: the unit of time is a guess"]);
+    }
+    let seconds = table("Zeit;Weg [mm]", 600, |_, t| format!("{:.3};{:.4}", 45_382.0 + t, (9.0 * t).sin()));
+    let (_, text, _) = made("seconds", seconds.as_bytes());
+    holds(&text, &["time: \"Zeit\""]);
+}
+
+#[test]
 fn a_column_without_a_heading_is_called_by_its_number() {
     let file = table("time_s,,F_N", 600, |_, t| {
         format!("{t:.3},{:.5},{:.5}", (6.0 * t).sin(), 2.0 * (6.0 * t + 0.5).sin())
@@ -404,12 +422,34 @@ fn bad_files_are_refused_with_the_place_and_what_to_do() {
         (
             "dates",
             table("time,x_mm", 50, |k, t| format!("05/06/2024 12:00:{k},{}", t.sin())).into(),
-            &["`time` should be time", "number of seconds"],
+            &[
+                "`time` holds the text `05/06/2024 12:00:0` in line 2",
+                "`time` should be time",
+                "number of seconds",
+            ],
         ),
         (
             "still",
             table("time_s,x_mm", 50, |_, t| format!("{t},1.5")).into(),
             &["no column of motion", "displacement"],
+        ),
+        (
+            "footer",
+            (table("time_s,x_mm", 50, |_, t| format!("{t},{}", t.sin())) + "end of record,1\n").into(),
+            &["`time_s` holds the text `end of record` in line 52", "`time_s` should be time"],
+        ),
+        (
+            "backwards",
+            table("time_s,x_mm", 50, |_, t| format!("{},{}", 9.0 - t, t.sin())).into(),
+            &["`time_s` should be time, and it falls from row to row", "turn the order of the rows round"],
+        ),
+        (
+            "thousands",
+            table("t;x", 50, |k, t| {
+                if k == 9 { "0,09;1.234,5".into() } else { format!("{t};{k}").replace('.', ",") }
+            })
+            .into(),
+            &["`x` holds the text `1.234,5` in line 11", "write numbers without marks of thousands"],
         ),
         (
             "commas",

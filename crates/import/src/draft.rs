@@ -301,6 +301,14 @@ impl NoDraft {
     /// As a diagnostic for the file `name`; the last argument is where the user named it.
     pub fn diagnostic(self, name: &str, (source, at): (SourceId, Span)) -> Box<Diagnostic> {
         let (message, help) = match self {
+            NoDraft::Time(NoTime::Text { heading, mistake }) => {
+                return Box::new(mistake.help(format!(
+                    "`{heading}` should be time: write it as a number of seconds, or say how many rows there are in a second: `phisindy new --rate HZ`"
+                )));
+            }
+            NoDraft::Time(why @ NoTime::NotGrowing { falls: true, .. }) => {
+                (why.to_string(), "turn the order of the rows round, so that the first sample stands first")
+            }
             NoDraft::Time(why) => (
                 why.to_string(),
                 "add a column `time_s`, in seconds from the start, that grows from row to row; if the rows are even, say how many there are in a \

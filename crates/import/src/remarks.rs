@@ -6,7 +6,7 @@ use std::fmt;
 /// A remark. Lines and rows count from 1, headings are those of the file.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Remark {
-    /// The time has no unit, and its steps are too long for seconds.
+    /// The time has no unit, and its numbers are no seconds.
     TimeUnit {
         /// Heading of the time column.
         heading: String,
@@ -82,6 +82,11 @@ impl Remark {
 impl fmt::Display for Remark {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Remark::TimeUnit { heading, unit, .. } if unit == "d" => write!(
+                f,
+                "the heading `{heading}` gives no unit: its values are taken for dates in days, as workbooks and MATLAB count them (for seconds write \"s\" \
+                 in the place of \"d\" in the records)"
+            ),
             Remark::TimeUnit { heading, step, unit } => write!(
                 f,
                 "the heading `{heading}` gives no unit: its steps of {step} are taken for {unit} (for seconds write \"s\" in the place of \"{unit}\" in the records)"

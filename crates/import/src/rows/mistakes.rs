@@ -198,7 +198,10 @@ impl Mistakes<'_> {
             format!("column `{column}` holds the text `{text}` in {} {}", self.line, line.number)
         };
         let mut d = self.in_line(message, line, &field, "not a number");
-        if text.contains(',') && dialect.decimal != Some(',') {
+        let marks = text.matches([',', '.']).count();
+        if marks > 1 && text.chars().all(|c| c.is_ascii_digit() || "+-,.".contains(c)) {
+            d = d.help("write numbers without marks of thousands: `1234.5`");
+        } else if text.replacen(',', ".", 1).parse::<f64>().is_ok() && dialect.decimal != Some(',') {
             d = d.help("if the comma is a decimal mark, say `decimal: ','`");
         } else if text.contains('.') && dialect.decimal == Some(',') {
             d = d.help("the spec says `decimal: ','`, and this number has a point");
