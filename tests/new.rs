@@ -626,7 +626,7 @@ fn stamps_coarser_than_the_rows_give_a_rate() {
             writeln!(file, "{},{:.4}", stamp(*t), 1e3 * x + noise(row, 0.02)).expect("text");
         }
         let (scratch, text, said) = made(&format!("coarse{k}"), file.as_bytes());
-        holds(&said.err, &["at 100 Hz", "a new stamp every 1 alone, for 100 rows each"]);
+        holds(&said.err, &["at 100 Hz", "a new stamp every 1 for 100 rows each"]);
         holds(
             &text,
             &["time: Rate(100.0)", "is this the exact rate?", "counts rows or tells the time, not used"],

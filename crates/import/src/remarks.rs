@@ -93,7 +93,7 @@ impl fmt::Display for Remark {
             ),
             Remark::CoarseTime(Coarse { heading, step, rows: (least, most), rate }) => write!(
                 f,
-                "`{heading}` has a new stamp every {step} alone, for {least}{} rows each: the rows are counted, {rate} of them per second",
+                "`{heading}` is coarser than the rows, with a new stamp every {step} for {least}{} rows each: the rows are counted, {rate} of them per second",
                 if most > least { format!(" to {most}") } else { String::new() }
             ),
             Remark::AssumedRate(rate) => write!(
