@@ -12,12 +12,15 @@ const FORMAT: &str = "ZIP";
 /// Most bytes of all members: as much as a file may have that is not packed.
 const MOST_BYTES: u64 = 2 << 30;
 
+/// Reads the wanted sheet of a workbook.
+type ReadWorkbook = fn(&[u8], &Wanted<'_>) -> Result<Sheet, Refusal>;
+
 /// The table in an archive.
 pub(super) fn sheet(bytes: &[u8], wanted: &Wanted<'_>) -> Result<Sheet, Refusal> {
     let mut archive =
         ZipArchive::new(Cursor::new(bytes)).map_err(|e| Refusal::broken(FORMAT, e.to_string()))?;
     let has = |name: &str| archive.index_for_name(name).is_some();
-    let workbooks: [(&str, &str, fn(&[u8], &Wanted<'_>) -> Result<Sheet, Refusal>); 4] = [
+    let workbooks: [(&str, &str, ReadWorkbook); 4] = [
         ("xl/workbook.xml", "Excel (XLSX)", workbook::xlsx),
         ("xl/workbook.bin", "Excel (XLSB)", workbook::xlsb),
         ("content.xml", "OpenDocument (ODS)", workbook::ods),

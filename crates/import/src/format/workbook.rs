@@ -32,7 +32,8 @@ pub(super) fn xlsx(bytes: &[u8], wanted: &Wanted<'_>) -> Result<Sheet, Refusal> 
 
 fn read_xlsx(bytes: &[u8], wanted: &Wanted<'_>) -> Result<Sheet, Refusal> {
     let mut book = Xlsx::new(Cursor::new(bytes)).map_err(broken("XLSX"))?;
-    chosen(&book.sheets_metadata().to_vec(), wanted, |name| {
+    let sheets = book.sheets_metadata().to_vec();
+    chosen(&sheets, wanted, |name| {
         let mut cells = book.worksheet_cells_reader(name).map_err(broken("XLSX"))?;
         Grid::of(|| cells.next_cell().map_err(broken("XLSX")))
     })
@@ -45,7 +46,8 @@ pub(super) fn xlsb(bytes: &[u8], wanted: &Wanted<'_>) -> Result<Sheet, Refusal> 
 
 fn read_xlsb(bytes: &[u8], wanted: &Wanted<'_>) -> Result<Sheet, Refusal> {
     let mut book = Xlsb::new(Cursor::new(bytes)).map_err(broken("XLSB"))?;
-    chosen(&book.sheets_metadata().to_vec(), wanted, |name| {
+    let sheets = book.sheets_metadata().to_vec();
+    chosen(&sheets, wanted, |name| {
         let mut cells = book.worksheet_cells_reader(name).map_err(broken("XLSB"))?;
         Grid::of(|| cells.next_cell().map_err(broken("XLSB")))
     })
