@@ -227,6 +227,49 @@ fn rows_that_lack_a_value_are_left_out() {
     holds(&refused.err, &["has no value in line 9", "say `missing: Omit` in the record"]);
 }
 
+/// A number that no sensor reads is no value, for `new` as for a run.
+#[test]
+fn rows_with_an_infinite_number_are_left_out() {
+    let file = table("time_s,x_mm", 800, |k, t| {
+        if k == 300 { format!("{t:.3},inf") } else { format!("{t:.3},{:.4}", (9.0 * t).sin()) }
+    });
+    let (scratch, text, said) = made("infinite", file.as_bytes());
+    holds(&said.err, &["1 of 800 rows lack a value (first in line 302)"]);
+    checked(&scratch, &text);
+}
+
+#[test]
+fn dates_in_days_are_no_seconds() {
+    for first in [45_382.0, 739_340.0] {
+        let file = table("Zeit;Weg [mm]", 600, |k, t| {
+            format!("{:.11};{:.4}", first + 0.05 * k as f64 / 86_400.0, (9.0 * t).sin())
+        });
+        let (_, text, said) = made("days", file.as_bytes());
+        holds(
+            &said.err,
+            &[
+                "29.95 s at 20 Hz",
+                "note: the heading `Zeit` gives no unit: its values are taken for dates in days",
+            ],
+        );
+        holds(&text, &["time: (\"Zeit\", \"d\")", "EDIT: the unit of time is a guess"]);
+    }
+    let seconds = table("Zeit;Weg [mm]", 600, |_, t| format!("{:.3};{:.4}", 45_382.0 + t, (9.0 * t).sin()));
+    let (_, text, _) = made("seconds", seconds.as_bytes());
+    holds(&text, &["time: \"Zeit\""]);
+}
+
+#[test]
+fn a_column_without_a_heading_is_called_by_its_number() {
+    let file = table("time_s,,F_N", 600, |_, t| {
+        format!("{t:.3},{:.5},{:.5}", (6.0 * t).sin(), 2.0 * (6.0 * t + 0.5).sin())
+    });
+    let (scratch, text, said) = made("unnamed", file.as_bytes());
+    holds(&said.err, &["motion `2`", "note: column 2 has no heading: its number is its name"]);
+    holds(&text, &["\"x\": \"2\""]);
+    checked(&scratch, &text);
+}
+
 #[test]
 fn one_column_is_a_motion_without_times() {
     let file = table("ACC_Z [g]", 400, |_, t| format!("{:.4}", (9.0 * t).sin()));
@@ -382,12 +425,42 @@ fn bad_files_are_refused_with_the_place_and_what_to_do() {
         (
             "dates",
             table("time,x_mm", 50, |k, t| format!("05/06/2024 12:00:{k},{}", t.sin())).into(),
-            &["`time` should be time", "number of seconds"],
+            &[
+                "`time` holds the text `05/06/2024 12:00:0` in line 2",
+                "`time` should be time",
+                "number of seconds",
+            ],
         ),
         (
             "still",
             table("time_s,x_mm", 50, |_, t| format!("{t},1.5")).into(),
             &["no column of motion", "displacement"],
+        ),
+        (
+            "footer",
+            (table("time_s,x_mm", 50, |_, t| format!("{t},{}", t.sin())) + "end of record,1\n").into(),
+            &["`time_s` holds the text `end of record` in line 52", "`time_s` should be time"],
+        ),
+        (
+            "backwards",
+            table("time_s,x_mm", 50, |_, t| format!("{},{}", 9.0 - t, t.sin())).into(),
+            &["`time_s` should be time, and it falls from row to row", "turn the order of the rows round"],
+        ),
+        (
+            "thousands",
+            table("t;x", 200, |k, t| {
+                if k == 150 { "1,5;1.234,5".into() } else { format!("{t};{k}").replace('.', ",") }
+            })
+            .into(),
+            &["`x` holds the text `1.234,5` in line 152", "write numbers without marks of thousands"],
+        ),
+        (
+            "commas",
+            table("time_s,x_mm,F_N", 50, |k, t| {
+                format!("{t:.4};{:.4};{k}.5", (5.0 * t).sin()).replace('.', ",").replace(';', ",")
+            })
+            .into(),
+            &["line 2 of", "has 6 fields, the heading has 3", "the decimal mark too", "export them with `;`"],
         ),
         (
             "marks",
@@ -556,7 +629,7 @@ fn stamps_coarser_than_the_rows_give_a_rate() {
             writeln!(file, "{},{:.4}", stamp(*t), 1e3 * x + noise(row, 0.02)).expect("text");
         }
         let (scratch, text, said) = made(&format!("coarse{k}"), file.as_bytes());
-        holds(&said.err, &["at 100 Hz", "a new stamp every 1 alone, for 100 rows each"]);
+        holds(&said.err, &["at 100 Hz", "a new stamp every 1 for 100 rows each"]);
         holds(
             &text,
             &["time: Rate(100.0)", "is this the exact rate?", "counts rows or tells the time, not used"],

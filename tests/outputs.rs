@@ -128,7 +128,9 @@ fn mistakes_in_outputs_are_told_with_their_place() {
     for (output, told) in [
         (r#""a": (unit: "m/s^2", reads: "rate(w)")"#, "unknown state in `rate(...)` `w`"),
         (r#""a": (unit: "m/s", reads: "rate(v)")"#, "output `a` is"),
-        (r#""a": (unit: "m/s^2", reads: "rate(2*v)")"#, "`rate` takes a name"),
+        (r#""a": (unit: "m/s^2", reads: "rate(2*v)")"#, "`rate` takes one name"),
+        (r#""a": (unit: "m/s^2", reads: "rate(v*2)")"#, "`rate` takes one name"),
+        (r#""a": (unit: "m/s^2", reads: "rate(rate(x))")"#, "`rate` takes one name"),
         (r#""a": (unit: "m/s^2", read: "rate(v)")"#, "did you mean `reads`"),
         (r#""x": (unit: "m", reads: "2*x")"#, "`x` is declared twice"),
         (r#""a": (unit: "m/s^2", reads: "-k*y")"#, "unknown name `y`"),
@@ -138,6 +140,11 @@ fn mistakes_in_outputs_are_told_with_their_place() {
         assert_eq!(out.status.code(), Some(2), "{output}: {text}");
         assert!(text.contains(told), "{output}: {text}");
     }
+    // A mistake in an output is told once, and not where its name stands.
+    let read = with(r#""a": (unit: "m/s^2", reads: "rate(w)")"#).replace("noise", "measure: [\"a\"], noise");
+    let out = phisindy(&folder, "check", &read, &[]);
+    let text = String::from_utf8_lossy(&out.stderr);
+    assert!(text.matches("error:").count() == 1 && text.contains("`rate(...)` `w`"), "{text}");
     // The rate stands in outputs alone.
     let known = with(r#""a": (unit: "m/s^2", reads: "rate(v)")"#)
         .replace("-k*x\" }, unknown", "-k*rate(v)\" }, unknown");

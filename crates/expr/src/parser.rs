@@ -116,7 +116,7 @@ impl fmt::Display for ParseError {
             WrongArguments(name, due, given) => {
                 write!(f, "`{name}` takes {due} argument{}, not {given}", if *due == 1 { "" } else { "s" })
             }
-            ExpectedName(word) => write!(f, "`{word}` takes a name"),
+            ExpectedName(word) => write!(f, "`{word}` takes one name"),
             NumberTooLarge => write!(f, "this number is too large"),
             TooDeep => write!(f, "nested more than {MAX_DEPTH} levels deep"),
             TooLong => write!(f, "the expression has more than {MAX_TOKENS} tokens"),
@@ -346,6 +346,11 @@ impl Parser<'_> {
             return Err(ParseError { kind: ParseErrorKind::ExpectedName(word), span: self.token_text().1 });
         };
         self.next += 1;
+        if let Some((found, span)) = self.peek()
+            && found != Token::Close
+        {
+            return Err(ParseError { kind: ParseErrorKind::ExpectedName(word), span: of.to(span) });
+        }
         let end = self.close(Token::Close, open, ParseErrorKind::UnclosedParenthesis)?;
         let name = format!("{word} {}", &self.text[of.range()]);
         Ok(self.push(AstKind::Name(name), span.to(end)))

@@ -155,11 +155,11 @@ impl Draft {
         needed.filter(move |name| shared(name)).map(|name| Remark::SharedHeading(name.to_owned()))
     }
 
-    /// Remarks on other sheets and on channels with a rate of their own.
+    /// Remarks on other sheets and on what was done to read the file.
     fn of_the_file(&self) -> Vec<Remark> {
         let (sheets, notes) = (&self.table.other_sheets, &self.table.notes);
         let sheets = (!sheets.is_empty()).then(|| Remark::OtherSheets(sheets.clone()));
-        sheets.into_iter().chain(notes.iter().cloned().map(Remark::OtherRate)).collect()
+        sheets.into_iter().chain(notes.iter().cloned().map(Remark::Note)).collect()
     }
 
     /// A remark if the unit of the time is a guess.
@@ -301,6 +301,14 @@ impl NoDraft {
     /// As a diagnostic for the file `name`; the last argument is where the user named it.
     pub fn diagnostic(self, name: &str, (source, at): (SourceId, Span)) -> Box<Diagnostic> {
         let (message, help) = match self {
+            NoDraft::Time(NoTime::Text { heading, mistake }) => {
+                return Box::new(mistake.help(format!(
+                    "`{heading}` should be time: write it as a number of seconds, or say how many rows there are in a second: `phisindy new --rate HZ`"
+                )));
+            }
+            NoDraft::Time(why @ NoTime::NotGrowing { falls: true, .. }) => {
+                (why.to_string(), "turn the order of the rows round, so that the first sample stands first")
+            }
             NoDraft::Time(why) => (
                 why.to_string(),
                 "add a column `time_s`, in seconds from the start, that grows from row to row; if the rows are even, say how many there are in a \

@@ -165,7 +165,11 @@ impl Format {
         let name = file.name;
         let refused = |refusal: Refusal| {
             LineError::Format(Refusal {
-                message: format!("`{name}` is a file of {}: {}", self.name, refusal.message),
+                message: format!(
+                    "`{name}` is a file of {}: {}",
+                    refusal.format.unwrap_or(self.name),
+                    refusal.message
+                ),
                 ..refusal
             })
         };

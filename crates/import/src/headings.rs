@@ -187,7 +187,7 @@ fn bare_unit(text: &str) -> Option<String> {
     let unit = normalized(text)?;
     let known = quantity(&unit) != Quantity::Other
         || matches!(unit.as_str(), "kg" | "K" | "Pa" | "kPa" | "MPa" | "bar" | "Hz" | "W");
-    (known && !matches!(text, "t" | "h" | "min" | "rev" | "in" | "1")).then_some(unit)
+    (known && !matches!(text, "t" | "d" | "h" | "min" | "rev" | "in" | "1")).then_some(unit)
 }
 
 /// The unit as specs spell it, if it is known.
@@ -302,6 +302,8 @@ mod tests {
             ("q_ref_m", "q_ref", Some("m"), Quantity::Length),
             ("load_raw", "load_raw", None, Quantity::Unknown),
             ("x_t", "x_t", None, Quantity::Unknown),
+            ("x_d", "x_d", None, Quantity::Unknown),
+            ("Zeit [d]", "zeit", Some("d"), Quantity::Time),
             ("x", "x", None, Quantity::Unknown),
             ("m", "m", None, Quantity::Unknown),
             ("s", "s", None, Quantity::Unknown),

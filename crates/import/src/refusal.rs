@@ -32,12 +32,24 @@ pub(crate) struct Refusal {
     pub(crate) help: Vec<String>,
     /// Whether the name of the sheet is to blame.
     pub(crate) of_sheet: bool,
+    /// The format, where its first bytes do not tell it: an archive may be a workbook.
+    pub(crate) format: Option<&'static str>,
 }
 
 impl Refusal {
     /// Something is wrong with the file.
     pub(crate) fn file(message: impl Into<String>, help: &str) -> Refusal {
-        Refusal { message: message.into(), help: vec![help.to_owned()], of_sheet: false }
+        Refusal { message: message.into(), help: vec![help.to_owned()], of_sheet: false, format: None }
+    }
+
+    /// The file is encrypted.
+    pub(crate) fn protected() -> Refusal {
+        Refusal::file("it is protected by a password", "save it without one")
+    }
+
+    /// The same, of a file of this format.
+    pub(crate) fn of(self, format: &'static str) -> Refusal {
+        Refusal { format: Some(format), ..self }
     }
 
     /// The file ends early, or its bytes break the rules of the format.
@@ -57,13 +69,18 @@ impl Refusal {
             [] => "the file has no parts with names: leave `sheet` out".to_owned(),
             all => format!("there is: {}", listing::listing(all)),
         });
-        Refusal { message: format!("it has no sheet, variable or group `{wanted}`"), help, of_sheet: true }
+        Refusal {
+            message: format!("it has no sheet, variable or group `{wanted}`"),
+            help,
+            of_sheet: true,
+            format: None,
+        }
     }
 
     /// Text has no sheets.
     pub(crate) fn no_sheets(name: &str, wanted: &str) -> Refusal {
         let message = format!("`{name}` is text, which has no sheet `{wanted}`");
-        Refusal { message, help: vec!["leave `sheet` out".to_owned()], of_sheet: true }
+        Refusal { message, help: vec!["leave `sheet` out".to_owned()], of_sheet: true, format: None }
     }
 }
 

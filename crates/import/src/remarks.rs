@@ -6,7 +6,7 @@ use std::fmt;
 /// A remark. Lines and rows count from 1, headings are those of the file.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Remark {
-    /// The time has no unit, and its steps are too long for seconds.
+    /// The time has no unit, and its numbers are no seconds.
     TimeUnit {
         /// Heading of the time column.
         heading: String,
@@ -32,8 +32,8 @@ pub enum Remark {
     },
     /// Sheets of the file that hold numbers too.
     OtherSheets(Vec<String>),
-    /// Channels that have a rate of their own, and what was done to them.
-    OtherRate(String),
+    /// What was done to read the file.
+    Note(String),
     /// Two columns share a heading that the model needs.
     SharedHeading(String),
     /// Time goes back, and no column counts the runs.
@@ -74,21 +74,26 @@ pub enum Remark {
 impl Remark {
     /// Whether the user has to check or correct something before a run.
     pub fn needs_edit(&self) -> bool {
-        use Remark::{MoreTrials, OmittedRows, OtherRate, OtherSheets};
-        !matches!(self, MoreTrials { .. } | OmittedRows { .. } | OtherSheets(_) | OtherRate(_))
+        use Remark::{MoreTrials, Note, OmittedRows, OtherSheets};
+        !matches!(self, MoreTrials { .. } | OmittedRows { .. } | OtherSheets(_) | Note(_))
     }
 }
 
 impl fmt::Display for Remark {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Remark::TimeUnit { heading, unit, .. } if unit == "d" => write!(
+                f,
+                "the heading `{heading}` gives no unit: its values are taken for dates in days, as workbooks and MATLAB count them (for seconds write \"s\" \
+                 in the place of \"d\" in the records)"
+            ),
             Remark::TimeUnit { heading, step, unit } => write!(
                 f,
                 "the heading `{heading}` gives no unit: its steps of {step} are taken for {unit} (for seconds write \"s\" in the place of \"{unit}\" in the records)"
             ),
             Remark::CoarseTime(Coarse { heading, step, rows: (least, most), rate }) => write!(
                 f,
-                "`{heading}` has a new stamp every {step} alone, for {least}{} rows each: the rows are counted, {rate} of them per second",
+                "`{heading}` is coarser than the rows, with a new stamp every {step} for {least}{} rows each: the rows are counted, {rate} of them per second",
                 if most > least { format!(" to {most}") } else { String::new() }
             ),
             Remark::AssumedRate(rate) => write!(
@@ -109,7 +114,7 @@ impl fmt::Display for Remark {
                     "the file has other sheets with numbers: `{list}` (name one with `phisindy new --sheet`)"
                 )
             }
-            Remark::OtherRate(what) => f.write_str(what),
+            Remark::Note(what) => f.write_str(what),
             Remark::SharedHeading(name) => write!(
                 f,
                 "two columns are called `{name}`: rename one of them in the file before you run this"

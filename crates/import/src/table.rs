@@ -40,7 +40,7 @@ pub struct Table {
     pub is_text: bool,
     /// Sheets of the file that were not read and hold numbers.
     pub other_sheets: Vec<String>,
-    /// What was done to channels with a rate of their own.
+    /// What was done to read the file: columns without a name, channels with a rate of their own.
     pub notes: Vec<String>,
 }
 

@@ -2,6 +2,7 @@
 
 use crate::headings::{Heading, Quantity, factor};
 use crate::table::{Column, Table};
+use phisindy_phys::Diagnostic;
 use std::fmt;
 use std::ops::Range;
 
@@ -56,7 +57,8 @@ pub struct TimeColumn {
     pub told: bool,
     /// The time column that is coarser than the rows.
     pub coarse: Option<Coarse>,
-    /// The unit is derived from the step: a motion is not sampled in steps of a second or more.
+    /// The unit is derived from the numbers: a motion is not sampled in steps of a second or more, and dates
+    /// are days.
     pub unit_guessed: bool,
 }
 
@@ -102,6 +104,18 @@ impl Coarse {
     }
 }
 
+/// Steps of a second, as days: a motion is not sampled in longer ones. Seconds in steps as short come from a
+/// recorder of 100 kHz, which counts from its start.
+const SHORT_OF_DAYS: f64 = 1.0 / 86_400.0;
+/// The days of about 1955 to 2119, counted as workbooks do from 1900 and as MATLAB does from the year 0.
+const DATES: [Range<f64>; 2] = [20e3..80e3, 714e3..774e3];
+
+/// Whether all of these numbers are dates, in days.
+fn are_dates(values: &[f64]) -> bool {
+    let all_in = |days: &Range<f64>| values.iter().all(|x| x.is_nan() || days.contains(x));
+    values.iter().any(|x| x.is_finite()) && DATES.iter().any(all_in)
+}
+
 /// Why no column is time.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum NoTime {
@@ -109,8 +123,15 @@ pub enum NoTime {
     NotGrowing {
         /// Its heading.
         heading: String,
-        /// Whether some of its cells hold text.
-        text: bool,
+        /// Whether it falls instead.
+        falls: bool,
+    },
+    /// A column is named as time and holds text.
+    Text {
+        /// Its heading.
+        heading: String,
+        /// What is said of the first text.
+        mistake: Box<Diagnostic>,
     },
     /// No column grows from row to row.
     NoneGrows,
@@ -119,13 +140,11 @@ pub enum NoTime {
 impl fmt::Display for NoTime {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            NoTime::NotGrowing { heading, text } => {
-                let advice = if *text { ": write it as a number of seconds" } else { "" };
-                write!(
-                    f,
-                    "the column `{heading}` should be time, and it does not grow from row to row{advice}"
-                )
+            NoTime::NotGrowing { heading, falls } => {
+                let does = if *falls { "falls" } else { "does not grow" };
+                write!(f, "the column `{heading}` should be time, and it {does} from row to row")
             }
+            NoTime::Text { mistake, .. } => f.write_str(&mistake.message),
             NoTime::NoneGrows => f.write_str("no column grows from row to row, so none of them is time"),
         }
     }
@@ -165,7 +184,11 @@ impl TimeColumn {
             return Ok(TimeColumn::of(column, &table.columns[column].values, false));
         }
         if let Some(c) = table.columns.iter().find(|c| named(c)) {
-            return Err(NoTime::NotGrowing { heading: c.heading.raw.clone(), text: c.text_cells > 0 });
+            let heading = c.heading.raw.clone();
+            return Err(match &c.first_text {
+                Some(first) => NoTime::Text { heading, mistake: Box::new(first.clone()) },
+                None => NoTime::NotGrowing { heading, falls: falls(c) },
+            });
         }
         match pick(&|c| !counter(c) && !is_whole(c))
             .or_else(|| pick(&|c| !counter(c)))
@@ -210,14 +233,21 @@ impl TimeColumn {
         }
     }
 
-    /// Assigns milliseconds or microseconds to a time column without unit whose steps are one or more.
+    /// Assigns a unit to a time column without one whose numbers are no seconds: milliseconds or microseconds
+    /// where its steps are one or more, days where its values are dates.
     pub(crate) fn with_guessed_unit(self, table: &mut Table) -> TimeColumn {
-        let heading = &mut table.columns[self.column].heading;
-        let unit_guessed = !self.guessed && !self.counted && heading.unit.is_none() && self.step >= 1.0;
-        if unit_guessed {
-            *heading = heading.clone().with_unit(if self.step < 1000.0 { "ms" } else { "us" });
+        let column = &mut table.columns[self.column];
+        let unit = match self.step {
+            _ if column.heading.unit.is_some() || self.counted => None,
+            step if step < SHORT_OF_DAYS && are_dates(&column.values) => Some("d"),
+            step if step < 1.0 || self.guessed => None,
+            step if step < 1000.0 => Some("ms"),
+            _ => Some("us"),
+        };
+        if let Some(unit) = unit {
+            column.heading = column.heading.clone().with_unit(unit);
         }
-        TimeColumn { unit_guessed, ..self }
+        TimeColumn { unit_guessed: unit.is_some(), ..self }
     }
 
     /// Ranges of rows in which time does not go back.
@@ -239,6 +269,12 @@ pub(crate) fn is_counter(column: &Column) -> bool {
     let counter = column.heading.has_word(COUNTERS) || (is_whole(column) && even());
     // Where the user says the rate, a column of times may be as wrong as it likes.
     is_named_time(&column.heading) || (grows(column) && counter)
+}
+
+/// Whether a column would grow if its rows stood the other way round.
+fn falls(column: &Column) -> bool {
+    let values = column.values.iter().map(|x| -x).collect();
+    grows(&Column { values, ..column.clone() })
 }
 
 /// Whether a column grows from nearly every row to the next, as time does.

@@ -276,6 +276,36 @@ fn what_is_wrong_is_told_with_what_to_do() {
 }
 
 #[test]
+fn a_file_with_a_password_is_told_as_such() {
+    // The headers of all members say that they are encrypted.
+    let locked = |name: &str| {
+        let mut bytes = fixture(name);
+        for at in 0..bytes.len() - 8 {
+            match &bytes[at..at + 4] {
+                b"PK\x03\x04" => bytes[at + 6] |= 1,
+                b"PK\x01\x02" => bytes[at + 8] |= 1,
+                _ => {}
+            }
+        }
+        bytes
+    };
+    // A container of two streams, as Excel writes it for a workbook with a password.
+    let mut container = b"\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1".to_vec();
+    let names = "EncryptionInfo\0EncryptedPackage\0".encode_utf16();
+    container.extend(names.flat_map(u16::to_le_bytes).chain([0; 1024]));
+    for (bytes, format) in [
+        (locked("run.xlsx"), "Excel (XLSX)"),
+        (locked("run.ods"), "OpenDocument (ODS)"),
+        (locked("run.npz"), "ZIP"),
+        (container, "Excel"),
+    ] {
+        let said = read("a.bin", &bytes, &format!("Table(path: \"FILE\", {PLAIN})")).expect_err(format);
+        let due = format!("is a file of {format}: it is protected by a password | save it without one");
+        assert!(said.contains(&due), "{said}");
+    }
+}
+
+#[test]
 fn a_cell_without_a_number_is_told_with_its_row() {
     let mut bytes = fixture("run.npz");
     // The last number of F, in the last bytes before the directory of the archive, is made no number; its sum

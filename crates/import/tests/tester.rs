@@ -40,7 +40,13 @@ fn triangle(t: f64) -> f64 {
 fn a_friction_tester_gets_a_force_as_output_and_no_state() {
     let dry = |x: f64, v: f64| 2000.0 * x + (30.0 + 20.0 * (-(v / 5e-3).powi(2)).exp()) * v.signum() + 4.0;
     let two = |t: f64| 10e-3 * (2.0 * t).sin() + 4e-3 * (5.0 * t).sin();
-    for content in [file(two, dry), file(|t| 10e-3 * (3.0 * t).sin(), dry), file(triangle, dry)] {
+    // A triangle has two speeds, so that a damper is dry friction.
+    let damped = "reads: \"k*x + c*dx\"";
+    for (content, reads) in [
+        (file(two, dry), damped),
+        (file(|t| 10e-3 * (3.0 * t).sin(), dry), damped),
+        (file(triangle, dry), "reads: \"k*x\""),
+    ] {
         let (draft, text) = drafted(&content);
         let Drive::Tester { stiffness, .. } = draft.drive else {
             panic!("{:?} of\n{}", draft.drive, &content[..400])
@@ -50,13 +56,26 @@ fn a_friction_tester_gets_a_force_as_output_and_no_state() {
         for part in [
             "states: {},",
             "inputs: { \"x\": \"m\", \"dx\": \"m/s\" }",
-            "outputs: { \"F\": (unit: \"N\", reads: \"k*x\") }",
+            reads,
+            // A formula stands in one line.
+            "\"(F - c*v - k*x)/m\"",
             "derive: { \"dx\": Derivative(\"x\") }",
             "\"x\": (\"x_mm\", \"mm\"), \"F\": (\"F_N\", \"N\")",
         ] {
             assert!(text.contains(part), "expected {part:?} in\n{text}");
         }
     }
+}
+
+#[test]
+fn the_damper_of_a_tester_starts_where_the_data_say() {
+    let two = |t: f64| 10e-3 * (2.0 * t).sin() + 4e-3 * (5.0 * t).sin();
+    let (draft, text) = drafted(&file(two, |x, v| 500.0 * x + 300.0 * v + 20.0 * v.signum()));
+    let Drive::Tester { damping: Some(damping), .. } = draft.drive else { panic!("{:?}", draft.drive) };
+    assert!((damping / 300.0 - 1.0).abs() < 0.2, "{damping}\n{text}");
+    // A force that falls with the speed has no damper to begin with.
+    let falling = file(two, |_, v| (30.0 + 20.0 * (-(v / 5e-3).powi(2)).exp()) * v.signum());
+    assert!(drafted(&falling).1.contains("\"c\": (value: 0.0,"));
 }
 
 #[test]

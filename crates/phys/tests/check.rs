@@ -22,6 +22,27 @@ fn mistakes(text: &str) -> Vec<String> {
 }
 
 #[test]
+fn what_is_said_of_a_column_that_a_record_does_not_have_is_a_warning() {
+    let warnings = |text: &str| {
+        let (spec, _) = spec::read(text, SourceId(0)).expect("a spec");
+        let (_, said) = check(&spec, SourceId(0)).expect("a case");
+        said.iter().map(|d| d.message.clone()).collect::<Vec<_>>()
+    };
+    let noise = "noise: Relative(0.1)";
+    let of_x = GOOD.replace(noise, r#"noise: Sensor({ "x": (0.1, "mm") }), measure: ["y"]"#);
+    assert_eq!(warnings(&of_x), ["this record has no column of `x`, so its noise does nothing"]);
+    assert_eq!(warnings(&of_x.replace(r#"measure: ["y"]"#, r#"measure: ["x"]"#)), [""; 0]);
+    let synthetic = &GOOD[GOOD.find("Synthetic").unwrap()..GOOD.rfind(" ]").unwrap()];
+    let file = GOOD.replace(
+        synthetic,
+        r#"Csv(path: "a.csv", time: "t", columns: { "x": "x", "u": "u", "du": "du" }, sensors: { "y": (gain: 2.0), "x": (gain: 2.0) })"#,
+    );
+    let unused = |w: &String| w.contains("this record has no column of");
+    let said: Vec<String> = warnings(&file).into_iter().filter(unused).collect();
+    assert_eq!(said, ["this record has no column of `y`, so its sensor does nothing"]);
+}
+
+#[test]
 fn each_mistake_is_told_with_what_to_do() {
     assert_eq!(mistakes(GOOD), [""; 0]);
     let long = format!("constants: {{ \"{}\": 1.0, ", "a".repeat(101));
@@ -81,6 +102,21 @@ fn each_mistake_is_told_with_what_to_do() {
             noise,
             and(r#"sensors: { "w": (offset: 1.0) }"#),
             "unknown column in `sensors` `w` | known here: x, y, u, du",
+        ),
+        (
+            noise,
+            r#"noise: Sensor({ "w": 0.1 })"#.into(),
+            "unknown column in `noise` `w` | known here: x, y, u, du",
+        ),
+        (
+            noise,
+            and(r#"sensors: { "x": (lowpass: (order: 11, cutoff: (9.0, "Hz"))) }"#),
+            "a filter has at most 10 poles | give the order of the sensor's data sheet",
+        ),
+        (
+            noise,
+            and(r#"sensors: { "x": (lowpass: (order: 2, cutoff: (0.0, "Hz"))) }"#),
+            "a cutoff is greater than zero | give the frequency at which the filter halves the power",
         ),
         (
             r#""du": Derivative("u")"#,

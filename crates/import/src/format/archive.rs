@@ -12,21 +12,25 @@ const FORMAT: &str = "ZIP";
 /// Most bytes of all members: as much as a file may have that is not packed.
 const MOST_BYTES: u64 = 2 << 30;
 
+/// Reads the wanted sheet of a workbook.
+type ReadWorkbook = fn(&[u8], &Wanted<'_>) -> Result<Sheet, Refusal>;
+
 /// The table in an archive.
 pub(super) fn sheet(bytes: &[u8], wanted: &Wanted<'_>) -> Result<Sheet, Refusal> {
     let mut archive =
         ZipArchive::new(Cursor::new(bytes)).map_err(|e| Refusal::broken(FORMAT, e.to_string()))?;
-    checked(&mut archive)?;
     let has = |name: &str| archive.index_for_name(name).is_some();
-    if has("xl/workbook.xml") {
-        return workbook::xlsx(bytes, wanted);
+    let workbooks: [(&str, &str, ReadWorkbook); 4] = [
+        ("xl/workbook.xml", "Excel (XLSX)", workbook::xlsx),
+        ("xl/workbook.bin", "Excel (XLSB)", workbook::xlsb),
+        ("content.xml", "OpenDocument (ODS)", workbook::ods),
+        ("encrypted-package", "OpenDocument (ODS)", |_, _| Err(Refusal::protected())),
+    ];
+    if let Some((_, format, read)) = workbooks.into_iter().find(|(member, ..)| has(member)) {
+        let read = checked(&mut archive).and_then(|()| read(bytes, wanted));
+        return read.map_err(|refusal| refusal.of(format));
     }
-    if has("xl/workbook.bin") {
-        return workbook::xlsb(bytes, wanted);
-    }
-    if has("content.xml") {
-        return workbook::ods(bytes, wanted);
-    }
+    checked(&mut archive)?;
     let arrays: Vec<String> = archive
         .file_names()
         .filter_map(|name| Some(name.ok()?.into_owned()))
@@ -47,6 +51,9 @@ fn checked(archive: &mut ZipArchive<Cursor<&[u8]>>) -> Result<(), Refusal> {
     let mut left = MOST_BYTES;
     for k in 0..archive.len() {
         let broken = |e: String| Refusal::broken(FORMAT, format!("its member {}: {e}", k + 1));
+        if archive.by_index_raw(k).is_ok_and(|member| member.encrypted()) {
+            return Err(Refusal::protected());
+        }
         let member = archive.by_index(k).map_err(|e| broken(e.to_string()))?;
         let read = std::io::copy(&mut member.take(left + 1), &mut std::io::sink())
             .map_err(|e| broken(e.to_string()))?;

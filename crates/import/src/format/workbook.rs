@@ -5,7 +5,10 @@ use crate::clock::stamp_text;
 use crate::listing::listing;
 use crate::refusal::{Refusal, Wanted, guarded};
 use crate::sheet::{Rows, Sheet};
-use calamine::{Data, DataRef, ExcelDateTime, Ods, Reader, Xls, Xlsb, Xlsx};
+use calamine::{
+    Data, DataRef, ExcelDateTime, Ods, OdsError, Reader, Sheet as Listed, SheetVisible, Xls, XlsError, Xlsb,
+    Xlsx,
+};
 use std::fmt::Display;
 use std::io::Cursor;
 
@@ -29,7 +32,8 @@ pub(super) fn xlsx(bytes: &[u8], wanted: &Wanted<'_>) -> Result<Sheet, Refusal> 
 
 fn read_xlsx(bytes: &[u8], wanted: &Wanted<'_>) -> Result<Sheet, Refusal> {
     let mut book = Xlsx::new(Cursor::new(bytes)).map_err(broken("XLSX"))?;
-    chosen(&book.sheet_names(), wanted, |name| {
+    let sheets = book.sheets_metadata().to_vec();
+    chosen(&sheets, wanted, |name| {
         let mut cells = book.worksheet_cells_reader(name).map_err(broken("XLSX"))?;
         Grid::of(|| cells.next_cell().map_err(broken("XLSX")))
     })
@@ -42,7 +46,8 @@ pub(super) fn xlsb(bytes: &[u8], wanted: &Wanted<'_>) -> Result<Sheet, Refusal> 
 
 fn read_xlsb(bytes: &[u8], wanted: &Wanted<'_>) -> Result<Sheet, Refusal> {
     let mut book = Xlsb::new(Cursor::new(bytes)).map_err(broken("XLSB"))?;
-    chosen(&book.sheet_names(), wanted, |name| {
+    let sheets = book.sheets_metadata().to_vec();
+    chosen(&sheets, wanted, |name| {
         let mut cells = book.worksheet_cells_reader(name).map_err(broken("XLSB"))?;
         Grid::of(|| cells.next_cell().map_err(broken("XLSB")))
     })
@@ -54,10 +59,16 @@ pub(super) fn xls(bytes: &[u8], wanted: &Wanted<'_>) -> Result<Sheet, Refusal> {
 }
 
 fn read_xls(bytes: &[u8], wanted: &Wanted<'_>) -> Result<Sheet, Refusal> {
+    if is_encrypted(bytes) {
+        return Err(Refusal::protected().of("Excel"));
+    }
     if let Some(rows) = too_large(bytes) {
         return Err(Refusal::broken("XLS", format!("a sheet should have {rows} rows or too many columns")));
     }
-    let book: Xls<_> = Xls::new(Cursor::new(bytes)).map_err(broken("XLS"))?;
+    let book: Xls<_> = Xls::new(Cursor::new(bytes)).map_err(|e| match e {
+        XlsError::Password => Refusal::protected(),
+        e => broken("XLS")(e),
+    })?;
     whole(book, "XLS", wanted)
 }
 
@@ -67,8 +78,20 @@ pub(super) fn ods(bytes: &[u8], wanted: &Wanted<'_>) -> Result<Sheet, Refusal> {
 }
 
 fn read_ods(bytes: &[u8], wanted: &Wanted<'_>) -> Result<Sheet, Refusal> {
-    let book: Ods<_> = Ods::new(Cursor::new(bytes)).map_err(broken("ODS"))?;
+    let book: Ods<_> = Ods::new(Cursor::new(bytes)).map_err(|e| match e {
+        OdsError::Password => Refusal::protected(),
+        e => broken("ODS")(e),
+    })?;
     whole(book, "ODS", wanted)
+}
+
+/// Whether the container of an XLS file holds an encrypted workbook of another format, in two streams with
+/// these names.
+fn is_encrypted(bytes: &[u8]) -> bool {
+    ["EncryptionInfo", "EncryptedPackage"].iter().all(|name| {
+        let name: Vec<u8> = name.encode_utf16().flat_map(u16::to_le_bytes).collect();
+        bytes.windows(name.len()).any(|window| window == name)
+    })
 }
 
 /// The rows of a sheet that is declared larger than the format allows (65 536 rows of 256 cells): the reader
@@ -91,8 +114,8 @@ fn whole<'b, R: Reader<Cursor<&'b [u8]>>>(
 where
     R::Error: Display,
 {
-    let names = book.sheet_names();
-    chosen(&names, wanted, |name| {
+    let sheets = book.sheets_metadata().to_vec();
+    chosen(&sheets, wanted, |name| {
         let range = book.worksheet_range(name).map_err(broken(format))?;
         let (top, left) = range.start().unwrap_or((0, 0));
         let mut grid = Grid::default();
@@ -104,36 +127,44 @@ where
     })
 }
 
-/// The wanted sheet; without a name the one with numbers, or for `new` the one with most of them.
+/// The wanted sheet; without a name the one with numbers, or for `new` the one with most of them. Of hidden
+/// sheets one is taken only where no other sheet has numbers.
 fn chosen(
-    names: &[String],
+    sheets: &[Listed],
     wanted: &Wanted<'_>,
     mut read: impl FnMut(&str) -> Result<Grid, Refusal>,
 ) -> Result<Sheet, Refusal> {
     if let Some(name) = wanted.sheet() {
-        if !names.iter().any(|n| n == name) {
-            return Err(Refusal::missing_sheet(name, names));
+        if !sheets.iter().any(|sheet| sheet.name == name) {
+            let names: Vec<String> = sheets.iter().map(|sheet| sheet.name.clone()).collect();
+            return Err(Refusal::missing_sheet(name, &names));
         }
         return Ok(read(name)?.sheet(Some(name.to_owned()), vec![]));
     }
-    let mut found: Vec<(&String, Grid)> = vec![];
+    let mut found: Vec<(&Listed, Grid)> = vec![];
     let mut first_mistake = None;
-    for name in names {
-        match read(name) {
-            Ok(grid) if grid.rows_of_numbers() > 1 => found.push((name, grid)),
+    for sheet in sheets {
+        match read(&sheet.name) {
+            Ok(grid) if grid.rows_of_numbers() > 1 => found.push((sheet, grid)),
             Ok(_) => {}
             // A sheet of charts is none of cells.
             Err(mistake) => first_mistake = first_mistake.or(Some(mistake)),
         }
     }
-    let listed: Vec<String> = found.iter().map(|(name, _)| (*name).clone()).collect();
-    if let (Wanted::Record(_), [_, _, ..]) = (wanted, listed.as_slice()) {
-        let help = format!("say which: `sheet: \"...\"`; there is: {}", listing(&listed));
+    let of = |visible: bool| {
+        let own = found.iter().filter(|(sheet, _)| (sheet.visible == SheetVisible::Visible) == visible);
+        own.map(|(sheet, _)| sheet.name.clone()).collect::<Vec<String>>()
+    };
+    let (seen, hidden) = (of(true), of(false));
+    let candidates = if seen.is_empty() { &hidden } else { &seen };
+    if let (Wanted::Record(_), [_, _, ..]) = (wanted, candidates.as_slice()) {
+        let help = format!("say which: `sheet: \"...\"`; there is: {}", listing(candidates));
         return Err(Refusal::file("several sheets hold numbers", &help));
     }
-    let Some((name, grid)) =
-        found.into_iter().reduce(|a, b| if b.1.rows_of_numbers() > a.1.rows_of_numbers() { b } else { a })
-    else {
+    let several = found.len() > 1;
+    let usable = found.into_iter().filter(|(sheet, _)| candidates.contains(&sheet.name));
+    let most = |a: (_, Grid), b: (_, Grid)| if b.1.rows_of_numbers() > a.1.rows_of_numbers() { b } else { a };
+    let Some((sheet, grid)) = usable.reduce(most) else {
         let empty = || {
             Refusal::file(
                 "none of its sheets holds rows of numbers",
@@ -142,9 +173,22 @@ fn chosen(
         };
         return Err(first_mistake.unwrap_or_else(empty));
     };
-    let others: Vec<String> = listed.iter().filter(|n| *n != name).cloned().collect();
-    let name = (!others.is_empty()).then(|| name.clone());
-    Ok(grid.sheet(name, others))
+    let others = candidates.iter().filter(|name| **name != sheet.name).cloned().collect();
+    let table = grid.sheet(several.then(|| sheet.name.clone()), others);
+    let notes = match wanted {
+        Wanted::Record(_) => vec![],
+        Wanted::All { .. } => hidden.iter().map(|name| told(name, &sheet.name)).collect(),
+    };
+    Ok(Sheet { notes, ..table })
+}
+
+/// What is said of a hidden sheet with numbers.
+fn told(hidden: &str, taken: &str) -> String {
+    if hidden == taken {
+        format!("the sheet `{hidden}` is hidden, and taken because no other sheet holds numbers")
+    } else {
+        format!("the sheet `{hidden}` holds numbers too, and is hidden (take it with `phisindy new --sheet`)")
+    }
 }
 
 /// The cells of a sheet that hold something, row by row.
@@ -282,4 +326,45 @@ fn duration(text: &str) -> Cell {
         Some(format!("{hours}:{minutes}:{}", seconds.strip_suffix('S')?))
     };
     parts().map_or_else(|| word(text), |time| Cell::Word(time.into()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use calamine::SheetType;
+
+    /// What is taken of a workbook whose sheets have so many rows of numbers; hidden ones begin with `h`.
+    fn taken(sheets: &[(&str, u32)]) -> Sheet {
+        let visible = |name: &str| match name.starts_with('h') {
+            true => SheetVisible::Hidden,
+            false => SheetVisible::Visible,
+        };
+        let listed = |&(name, _): &(&str, u32)| Listed {
+            name: name.to_owned(),
+            typ: SheetType::WorkSheet,
+            visible: visible(name),
+        };
+        let all: Vec<Listed> = sheets.iter().map(listed).collect();
+        let read = |name: &str| {
+            let rows = sheets.iter().find(|s| s.0 == name).map_or(0, |s| s.1);
+            let mut grid = Grid::default();
+            for k in 0..2 * rows {
+                grid.put(k / 2, k % 2, Cell::Number(f64::from(k)))?;
+            }
+            Ok(grid)
+        };
+        chosen(&all, &Wanted::All { sheet: None }, read).expect("a sheet")
+    }
+
+    #[test]
+    fn a_hidden_sheet_is_taken_where_no_other_has_numbers_and_told() {
+        let sheet = taken(&[("hidden", 50), ("seen", 20), ("small", 10)]);
+        assert_eq!((sheet.name.as_deref(), sheet.lines()), (Some("seen"), 20));
+        assert_eq!(sheet.others, ["small"]);
+        assert!(sheet.notes[0].starts_with("the sheet `hidden` holds numbers too, and is hidden"));
+        let sheet = taken(&[("hidden", 50), ("empty", 0)]);
+        assert_eq!((sheet.lines(), sheet.notes.len()), (50, 1));
+        assert!(sheet.notes[0].contains("`hidden` is hidden, and taken because"), "{:?}", sheet.notes);
+        assert_eq!(taken(&[("seen", 20)]).notes.len(), 0);
+    }
 }

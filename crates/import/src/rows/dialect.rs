@@ -105,6 +105,13 @@ impl Dialect {
         fields
     }
 
+    /// Whether the comma that separates the fields of a row may be its decimal mark too: between commas stand
+    /// whole numbers alone.
+    pub(crate) fn may_split_decimals(&self, line: &str) -> bool {
+        let whole = |field: &Range<usize>| line[field.clone()].parse::<i64>().is_ok();
+        self.separator == Some(',') && self.fields(line).iter().all(whole)
+    }
+
     /// The contents of all fields.
     pub(crate) fn cells(&self, line: &str) -> Vec<String> {
         self.fields(line).iter().map(|f| self.unquoted(line, f).into_owned()).collect()
@@ -140,6 +147,11 @@ pub(crate) fn is_missing(text: &str) -> bool {
         text.to_lowercase().as_str(),
         "" | "nan" | "na" | "n/a" | "#n/a" | "#na" | "#nv" | "null" | "none" | "-" | "--" | "?" | "missing"
     )
+}
+
+/// Whether a field is a number beyond all others, which no sensor reads: `inf`, `-inf`, `1e999`.
+pub(crate) fn is_infinite(text: &str) -> bool {
+    text.replacen(',', ".", 1).parse::<f64>().is_ok_and(f64::is_infinite)
 }
 
 /// Whether a line is a second heading that holds only units: `s;mm;N` or `[s];[mm];[N]`.

@@ -1,6 +1,6 @@
 //! Diagnostics for mistakes in a text file, with the offending line.
 
-use super::dialect::{Dialect, is_missing};
+use super::dialect::{Dialect, is_infinite, is_missing};
 use super::line::{Line, LineError};
 use crate::data_file::unreadable;
 use crate::listing;
@@ -164,6 +164,7 @@ impl Mistakes<'_> {
         fields: usize,
         wanted: usize,
         header: Option<bool>,
+        dialect: &Dialect,
     ) -> Diagnostic {
         let count = |n: usize| if n == 1 { "1 field".to_owned() } else { format!("{n} fields") };
         let whole = 0..line.text.len();
@@ -176,8 +177,11 @@ impl Mistakes<'_> {
         let first = if header == Some(false) { "the first line" } else { "the heading" };
         let message =
             format!("line {} of `{}` has {}, {first} has {wanted}", line.number, self.name, count(fields));
-        self.in_line(message, line, &whole, &count(fields))
-            .help("every line needs one field for each column; an unmeasured row is best deleted")
+        self.in_line(message, line, &whole, &count(fields)).help(if dialect.may_split_decimals(&line.text) {
+            "if the comma is the decimal mark too, nothing tells the fields apart: export them with `;` in between"
+        } else {
+            "every line needs one field for each column; an unmeasured row is best deleted"
+        })
     }
 
     pub(crate) fn not_a_number(
@@ -194,7 +198,10 @@ impl Mistakes<'_> {
             format!("column `{column}` holds the text `{text}` in {} {}", self.line, line.number)
         };
         let mut d = self.in_line(message, line, &field, "not a number");
-        if text.contains(',') && dialect.decimal != Some(',') {
+        let marks = text.matches([',', '.']).count();
+        if marks > 1 && text.chars().all(|c| c.is_ascii_digit() || "+-,.".contains(c)) {
+            d = d.help("write numbers without marks of thousands: `1234.5`");
+        } else if text.replacen(',', ".", 1).parse::<f64>().is_ok() && dialect.decimal != Some(',') {
             d = d.help("if the comma is a decimal mark, say `decimal: ','`");
         } else if text.contains('.') && dialect.decimal == Some(',') {
             d = d.help("the spec says `decimal: ','`, and this number has a point");
@@ -215,7 +222,7 @@ impl Mistakes<'_> {
     ) -> Diagnostic {
         let message = format!("column `{column}` is `{text}` in {} {}", self.line, line.number);
         let d = self.in_line(message, line, &field, "not a finite number");
-        d.help(if is_missing(text) {
+        d.help(if is_missing(text) || is_infinite(text) {
             OMIT
         } else {
             "delete the line, or leave it out with `window` or `rows`: a gap in time does no harm, an invented value does"

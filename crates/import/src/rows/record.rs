@@ -1,7 +1,7 @@
 //! Reads the columns of a record. The file is streamed: only the rows that `rows`, `run`, `window` and
 //! `decimate` leave stay in memory.
 
-use super::dialect::{Dialect, is_missing};
+use super::dialect::{Dialect, is_infinite, is_missing};
 use super::header::Header;
 use super::line::{Line, LineError};
 use super::lines::Lines;
@@ -182,7 +182,8 @@ impl Reader<'_> {
         let csv = self.csv;
         let fields = self.dialect.fields_of(&line, self.names.len());
         if fields.len() != self.names.len() {
-            let d = self.mistakes.field_count(&line, fields.len(), self.names.len(), csv.header);
+            let (mistakes, width) = (&mut self.mistakes, self.names.len());
+            let d = mistakes.field_count(&line, fields.len(), width, csv.header, self.dialect);
             return Err(Box::new(d));
         }
         // Seconds from the first row of the file, whichever rows are selected.
@@ -232,9 +233,10 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// Whether a field says that nothing was measured.
+    /// Whether a field holds no measured value: no entry, or a number that is not finite.
     fn lacks(&self, line: &Line, field: &Range<usize>) -> bool {
-        is_missing(&self.dialect.unquoted(&line.text, field))
+        let text = self.dialect.unquoted(&line.text, field);
+        is_missing(&text) || is_infinite(&text)
     }
 
     fn selection_error(&self, error: &SelectionError) -> Diagnostic {

@@ -80,18 +80,24 @@ pub fn table(
         column.heading = column.heading.clone().with_unit("s");
     }
     let (columns, row_numbers) = (rows.columns, rows.numbers);
+    let mut notes: Vec<String> = header
+        .unnamed
+        .iter()
+        .map(|k| format!("column {} has no heading: its number is its name", k + 1))
+        .collect();
     let table = Table { columns, row_numbers, fraction_read, ..Table::default() };
     Ok(match lines.sheet() {
         None => {
             let record_fields = record_fields(&header.dialect, rows.comma, rows.has_header, skip);
-            Table { record_fields, ..table }
+            Table { record_fields, notes, ..table }
         }
         Some(sheet) => {
             let name = sheet.name.as_ref().map(|name| format!("sheet: {}", quoted(name)));
             let skip = (skip > 0).then(|| format!("skip: {skip}"));
             let header = (sheet.heading().is_none() && !rows.has_header).then(|| "header: false".to_owned());
             let record_fields = [name, header, skip].into_iter().flatten().collect();
-            let (other_sheets, notes) = (sheet.others.clone(), sheet.notes.clone());
+            let other_sheets = sheet.others.clone();
+            notes.extend(sheet.notes.iter().cloned());
             Table { is_text: false, other_sheets, notes, record_fields, ..table }
         }
     })
@@ -117,7 +123,8 @@ impl Rows<'_> {
         let (dialect, width) = (self.dialect, self.columns.len());
         let fields = dialect.fields_of(line, width);
         if fields.len() != width {
-            let d = self.mistakes.field_count(line, fields.len(), width, (!self.has_header).then_some(false));
+            let header = (!self.has_header).then_some(false);
+            let d = self.mistakes.field_count(line, fields.len(), width, header, dialect);
             // The presumed heading may be a line of a preamble.
             let preamble = self.has_header && self.numbers.len() < 3;
             let help = "if other lines stand before the heading, put `#` in front of each of them";
@@ -229,7 +236,11 @@ fn preamble(lines: &mut Lines<'_>) -> usize {
     let Some(words) = start.iter().rposition(|line| !numbers(line)) else { return 0 };
     let units = words > 0 && is_units_row(&dialect, &start[words].text);
     let heading = if units { words - 1 } else { words };
-    match dialect.fields(&start[heading].text).len() == width && words + 3 < start.len() {
+    let names = dialect.fields(&start[heading].text).len();
+    // Of a comma in every number each name has two fields; the first row is refused then.
+    let halved = names > 1 && (names + 1..=2 * names).contains(&width);
+    let is_heading = names == width || (halved && dialect.may_split_decimals(&last.text));
+    match is_heading && words + 3 < start.len() {
         true if heading > 0 => start[heading].number - 1,
         // Lines of words above numbers without heading.
         false if words + 3 < start.len() && width > 1 => start[words].number,

@@ -67,6 +67,34 @@ fn without_a_heading_columns_are_numbered() {
 }
 
 #[test]
+fn a_column_without_a_heading_has_its_number_as_its_name() {
+    let file = format!("t,,y\n{}", rows(|k| format!("0.{k:02},{k},7\n")));
+    let read = table("time: \"t\", columns: { \"x\": \"2\" }", file.as_bytes()).expect("a table");
+    assert_eq!(read.columns[0][3], 3.0);
+}
+
+#[test]
+fn rows_with_a_number_that_is_not_finite_are_left_out_as_those_without_one() {
+    let file = format!("t,x\n{}12,inf\n13,-1e999\n14,NaN\n15,\n16,1\n", rows(|k| format!("{k},{k}\n")));
+    let read = table(&format!("{PLAIN}, missing: Omit"), file.as_bytes()).expect("a table");
+    assert_eq!((read.time.len(), read.omitted), (13, 4));
+    // A finite number that is too large in SI is none of these.
+    let large = format!("t,x\n{}12,1e308\n", rows(|k| format!("{k},{k}\n")));
+    let kilometres = "time: \"t\", columns: { \"x\": (\"x\", \"km\") }, missing: Omit";
+    assert!(
+        table(kilometres, large.as_bytes()).expect_err("too large").contains("`x` is `1e308` in line 14")
+    );
+}
+
+#[test]
+fn a_comma_between_fields_and_in_numbers_is_refused() {
+    let file = format!("t,x\n{}", rows(|k| format!("0,{k:02},{k},5\n")));
+    let said = table(PLAIN, file.as_bytes()).expect_err("no fields");
+    assert!(said.contains("line 2 of `a.csv` has 4 fields, the heading has 2"), "{said}");
+    assert!(said.contains("the decimal mark too") && said.contains("export them with `;`"), "{said}");
+}
+
+#[test]
 fn rows_select_and_the_rest_is_not_looked_at() {
     let file = format!("trial,t,x\n1,0.00,bad\n{}1,0.5,NaN\n", rows(|k| format!("0,{}.5,{k}\n", k)));
     let fields = format!("{PLAIN}, rows: {{ \"trial\": 0.0 }}");

@@ -2,7 +2,12 @@
 
 /// A RON string without escapes, so that names appear in the spec unchanged.
 pub(crate) fn quoted(text: &str) -> String {
-    if text.contains(['"', '\\']) { format!("r#\"{text}\"#") } else { format!("\"{text}\"") }
+    if !text.contains(['"', '\\']) {
+        return format!("\"{text}\"");
+    }
+    let longest = text.split('"').skip(1).map(|rest| rest.len() - rest.trim_start_matches('#').len()).max();
+    let marks = "#".repeat(longest.unwrap_or(0) + 1);
+    format!("r{marks}\"{text}\"{marks}")
 }
 
 /// Four significant digits, for comments.
@@ -51,5 +56,6 @@ mod tests {
     fn headings_with_quotes_are_raw() {
         assert_eq!(quoted("x"), "\"x\"");
         assert_eq!(quoted("x \"a\""), "r#\"x \"a\"\"#");
+        assert_eq!(quoted("x \"#a"), "r##\"x \"#a\"##");
     }
 }

@@ -13,7 +13,7 @@ const WIDE: f64 = 100.0;
 
 /// How the other form of a force beside a displacement is written.
 const TESTER: &str = r#"    // The data do not tell whether F drives the motion or is what a prescribed motion meets, as in a friction tester. For a tester:
-    // states: {}, inputs: { "x": "m", "dx": "m/s" }, outputs: { "F": (unit: "N", reads: "k*x") }, known: {},
+    // states: {}, inputs: { "x": "m", "dx": "m/s" }, outputs: { "F": (unit: "N", reads: "k*x + c*dx") }, known: {},
     // unknown: {}, no inertia and contacts, and in each record derive: { "dx": Derivative("x") }.
 "#;
 

@@ -32,6 +32,9 @@ pub enum Drive {
     Tester {
         /// Of the elastic part, in N/m; 0 if there is none.
         stiffness: f64,
+        /// Of the viscous part, in N s/m; 0 if it would drive the motion, none if the motion does not tell it
+        /// from dry friction.
+        damping: Option<f64>,
         /// Mean of the force, in N.
         mean: f64,
     },
@@ -48,7 +51,8 @@ impl Motion {
             let [damper, friction, one, force, spring] = columns.as_slice() else { return None };
             let mut resisting = vec![one.clone(), spring.clone()];
             // A motion of two speeds does not tell a damper from dry friction; what is alike stands once.
-            if cosine(damper, friction) < ALIKE {
+            let viscous = cosine(damper, friction) < ALIKE;
+            if viscous {
                 resisting.push(damper.clone());
             }
             let dry = [std::slice::from_ref(friction), &resisting[..]].concat();
@@ -67,7 +71,11 @@ impl Motion {
             let is_body = inertia > 0.0 && rough - left > INERT * rough;
             Some(match (is_body, resists && is_dry) {
                 (true, _) => Drive::Body,
-                (false, true) => Drive::Tester { stiffness: (-parts[2]).max(0.0), mean: parts[1] },
+                (false, true) => Drive::Tester {
+                    stiffness: (-parts[2]).max(0.0),
+                    damping: viscous.then(|| (-parts[3]).max(0.0)),
+                    mean: parts[1],
+                },
                 (false, false) => Drive::Open,
             })
         };
@@ -102,7 +110,7 @@ mod tests {
             let stribeck = |x: f64, v: f64, _: f64| {
                 800.0 * x + (30.0 + 20.0 * (-(v / 5e-3).powi(2)).exp()) * v.signum() + 3.0
             };
-            let Drive::Tester { stiffness, mean } = motion(stribeck, omega).drive() else {
+            let Drive::Tester { stiffness, mean, .. } = motion(stribeck, omega).drive() else {
                 panic!("{omega:?}: {:?}", motion(stribeck, omega).drive())
             };
             assert!((stiffness / 800.0 - 1.0).abs() < 0.2 && (mean - 3.0).abs() < 1.0, "{stiffness} {mean}");

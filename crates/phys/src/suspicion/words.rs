@@ -217,12 +217,16 @@ impl fmt::Display for Suspicion {
             }
             Suspicion::Clipped { column, range: (min, max), samples, input: true } => write!(
                 f,
-                "`{column}` stays at {min:.6} or {max:.6} in {samples} samples, and is still moving when it gets there: is that what acted, or was the sensor at the end of its range?"
+                "`{column}` stays at {} or {} in {samples} samples, and is still moving when it gets there: is that what acted, or was the sensor at the end of its range?",
+                short(*min),
+                short(*max)
             ),
             Suspicion::Clipped { column, range: (min, max), samples, input: false } => write!(
                 f,
-                "`{column}` is cut off at {min:.6} or {max:.6} in {samples} samples: the sensor was at the end of its range, and \
-                 what it hides is fitted as if it were motion"
+                "`{column}` is cut off at {} or {} in {samples} samples: the sensor was at the end of its range, and \
+                 what it hides is fitted as if it were motion",
+                short(*min),
+                short(*max)
             ),
             Suspicion::Undersampled { input, error, interpolation } => {
                 write!(
@@ -255,8 +259,9 @@ impl fmt::Display for Suspicion {
             ),
             Suspicion::Frozen { column, value, samples, from_to: (from, to), count } => write!(
                 f,
-                "`{column}` is {value:.6} in {samples} samples from {from:.6} s to {to:.6} s{}, and moves or has noise before and \
+                "`{column}` is {} in {samples} samples from {from:.6} s to {to:.6} s{}, and moves or has noise before and \
                  after them: the sensor dropped out or the logger repeated a value; repair or cut this part",
+                short(*value),
                 if *count > 1 {
                     format!(" (and in {} more such stretches)", count - 1)
                 } else {
@@ -265,17 +270,18 @@ impl fmt::Display for Suspicion {
             ),
             Suspicion::Spike { column, value, time, count } => write!(
                 f,
-                "`{column}` jumps to {value:.6} and back in the sample at {time:.6} s{}: a spike of the sensor weighs as much as a \
+                "`{column}` jumps to {} and back in the sample at {time:.6} s{}: a spike of the sensor weighs as much as a \
                  hundred good samples; repair or cut it",
+                short(*value),
                 if *count > 1 { format!(" (and in {} more)", count - 1) } else { String::new() }
             ),
             Suspicion::Jump { column, before, after, count } => write!(
                 f,
-                "`{column}` jumps between {:.6} s and {:.6} s and stays at the new level ({:.6}, then {:.6}){}: a body does not do that, so the sensor slipped or was reset; cut the record there with `window`",
+                "`{column}` jumps between {:.6} s and {:.6} s and stays at the new level ({}, then {}){}: a body does not do that, so the sensor slipped or was reset; cut the record there with `window`",
                 before.0,
                 after.0,
-                before.1,
-                after.1,
+                short(before.1),
+                short(after.1),
                 if *count > 1 { format!(" ({count} such jumps)") } else { String::new() }
             ),
             Suspicion::RateScaled { displacement, velocity, factor } => write!(
@@ -353,6 +359,11 @@ fn near_power_of_ten(factor: f64) -> String {
         (true, false) => format!("1/{:.0} of", 10f64.powf(-power)),
         _ => format!("{factor:.3} times"),
     }
+}
+
+/// Six decimals, or as many digits of a number that is large.
+fn short(x: f64) -> String {
+    if x.abs() < 1e9 { format!("{x:.6}") } else { format!("{x:.6e}") }
 }
 
 #[cfg(test)]

@@ -12,7 +12,7 @@ use crate::system::equations::System;
 use crate::system::plan::RecordPlan;
 use crate::system::requirement::Requirement;
 use crate::text::diagnostic::{Diagnostic, Severity, SourceId};
-use crate::text::spec::{ConstantSpec, DataSpec, LearnSpec, Spec, Text};
+use crate::text::spec::{DataSpec, LearnSpec, Spec, Text};
 use crate::units::dimensions::dimensions;
 use checker::Checker;
 use std::sync::Arc;
@@ -89,12 +89,7 @@ pub fn takes_units(spec: &Spec, source: SourceId) -> bool {
 /// Whether any constant has a unit: a spec without one does not speak of units, and is warned, not refused.
 fn speaks_of_units(spec: &Spec) -> bool {
     let all = spec.constants.iter().chain(spec.data.iter().flat_map(DataSpec::constants));
-    all.into_iter().any(|(_, c)| match c {
-        ConstantSpec::Number { unit, .. } => unit.is_some(),
-        ConstantSpec::Movable(m) => m.unit.is_some(),
-        ConstantSpec::Find(f) => f.unit.is_some(),
-        ConstantSpec::Expression(_) | ConstantSpec::MaxAbs(_) => false,
-    })
+    all.into_iter().any(|(_, c)| c.unit().is_some())
 }
 
 fn checked(

@@ -89,6 +89,18 @@ pub enum ConstantSpec {
     MaxAbs(Text),
 }
 
+impl ConstantSpec {
+    /// The unit that is written with it.
+    pub(crate) fn unit(&self) -> Option<&Text> {
+        match self {
+            ConstantSpec::Number { unit, .. } => unit.as_ref(),
+            ConstantSpec::Movable(m) => m.unit.as_ref(),
+            ConstantSpec::Find(f) => f.unit.as_ref(),
+            ConstantSpec::Expression(_) | ConstantSpec::MaxAbs(_) => None,
+        }
+    }
+}
+
 /// A constant that is known roughly and may move.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Movable {

@@ -21,7 +21,7 @@ use phisindy_expr::{Ast, parse, parse_with};
 use quantity::{Conflict, Measure, Quantity, infer};
 use std::collections::{HashMap, HashSet};
 use unknowns::Unknowns;
-use words::Words;
+use words::{Words, in_unit};
 
 /// In which SI units the coefficient of a term comes out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -285,21 +285,51 @@ impl<'s> Survey<'s> {
     }
 
     fn sensors(&mut self, sensors: &'s [(Text, SensorSpec)]) {
-        let unit = |value: &'s Option<SensorValue>| match value {
-            Some(SensorValue::Find(find)) => find.unit.as_ref(),
-            _ => None,
-        };
+        let plain = Measure::Fixed(Form::none());
+        let second = Measure::Fixed(Form::known(Dimension::SECOND));
         for (name, sensor) in sensors {
-            let column = &name.value;
-            let second = Measure::Fixed(Form::known(Dimension::SECOND));
-            self.stated_as(&format!("the offset of `{column}`"), self.of(name), unit(&sensor.offset));
-            self.stated_as(&format!("the delay of `{column}`"), second, unit(&sensor.delay));
-            self.stated_as(
-                &format!("the gain of `{column}`"),
-                Measure::Fixed(Form::none()),
-                unit(&sensor.gain),
-            );
+            let values = [
+                ("offset", self.of(name), &sensor.offset),
+                ("delay", second.clone(), &sensor.delay),
+                ("gain", plain.clone(), &sensor.gain),
+            ];
+            for (what, due, value) in values {
+                let what = format!("the {what} of `{}`", name.value);
+                match value {
+                    Some(SensorValue::Find(find)) => self.stated_as(&what, due, find.unit.as_ref()),
+                    Some(SensorValue::Constant(constant)) => self.named_as(&what, due, constant),
+                    _ => {}
+                }
+            }
+            for filter in sensor.lowpass.iter().chain(&sensor.highpass) {
+                // The units of other cutoffs are looked at where they are read.
+                if let SensorValue::Constant(constant) = &filter.cutoff.0 {
+                    self.cutoff(constant);
+                }
+            }
         }
+    }
+
+    /// A constant that stands where only one dimension has a meaning.
+    fn named_as(&mut self, what: &str, due: Measure, constant: &Text) {
+        if let Some((due, is)) = self.differ(&due, &self.of(constant)) {
+            self.mistakes.push(self.words.named(what, constant, [&due, &is]));
+        }
+    }
+
+    /// A constant that is a cutoff: `rad/s` has the dimension of Hz and is another frequency.
+    fn cutoff(&mut self, constant: &Text) {
+        let own = self.spec.constants.iter().find(|(name, _)| name.value == constant.value);
+        let unit = own.and_then(|(_, own)| own.unit()).map(|unit| unit.value.trim());
+        let second = Measure::Fixed(Form::known(Dimension::SECOND));
+        let is = match self.differ(&Measure::Fixed(Form::none()).times(&second, -1.0), &self.of(constant)) {
+            Some((_, is)) => in_unit(&is),
+            None => match unit.filter(|unit| !unit.is_empty() && !unit.ends_with("Hz")) {
+                Some(unit) => format!("in {unit}"),
+                None => return,
+            },
+        };
+        self.mistakes.push(self.words.cutoff(constant, &is));
     }
 
     /// A unit that is written where only one dimension has a meaning.

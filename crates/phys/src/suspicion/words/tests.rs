@@ -39,3 +39,10 @@ fn parts_of_a_rate_are_named_in_the_right_number() {
     assert!(both.ends_with("measured motion, or of the time column"), "{both}");
     assert!(told(&["F"], -1.0, false).contains("its part in `F` changes its sign"));
 }
+
+#[test]
+fn a_large_number_is_short() {
+    let (column, value) = ("x".to_owned(), 1e299);
+    let said = Suspicion::Spike { column, value, time: 1.2, count: 1 }.to_string();
+    assert!(said.starts_with("`x` jumps to 1.000000e299 and back in the sample at 1.200000 s"), "{said}");
+}

@@ -54,9 +54,26 @@ impl Checker {
         &mut self.diagnostics[last]
     }
 
+    /// The number of errors so far.
+    pub(super) fn errors(&self) -> usize {
+        self.diagnostics.iter().filter(|d| d.is_error()).count()
+    }
+
+    /// Warns of what is said of a column that the record does not have.
+    pub(super) fn without_column(&mut self, name: &Text, what: &str) {
+        self.warn(
+            format!("this record has no column of `{}`, so its {what} does nothing", name.value),
+            name.span,
+            "",
+        )
+        .help
+        .push(format!("give `{}` a column, or leave its {what} out", name.value));
+    }
+
     /// Declares a name of the system.
     pub(super) fn declare(&mut self, name: &Text, what: &str) -> Symbol {
         let text = name.value.as_str();
+        let article = if what.starts_with(['a', 'e', 'i', 'o', 'u']) { "an" } else { "a" };
         let mut letters = text.chars();
         let proper = letters.next().is_some_and(|c| c.is_alphabetic() || c == '_')
             && letters.all(|c| c.is_alphanumeric() || c == '_');
@@ -69,9 +86,13 @@ impl Checker {
                 .help
                 .push("shorten it: it stands in tables and in names of files".into());
         } else if text == "t" || text == "pi" || ops::function(text).is_some() {
-            self.error(format!("`{text}` has a meaning of its own and cannot name a {what}"), name.span, "")
-                .help
-                .push("give it another name, here and in the expressions".into());
+            self.error(
+                format!("`{text}` has a meaning of its own and cannot name {article} {what}"),
+                name.span,
+                "",
+            )
+            .help
+            .push("give it another name, here and in the expressions".into());
         }
         if let Some((_, span)) = self.declared.iter().find(|(n, _)| n == text) {
             let (span, source) = (*span, self.source);

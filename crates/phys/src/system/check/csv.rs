@@ -9,9 +9,9 @@ use crate::units::unit::Unit;
 use std::collections::HashMap;
 
 impl Checker {
-    /// The plan of a record whose rows a file holds; none after a diagnostic.
+    /// The plan of a record whose rows a file holds; none after an error.
     pub(super) fn csv(&mut self, csv: &CsvSpec, spec: &Spec, system: &System) -> Option<RecordPlan> {
-        let errors = self.diagnostics.len();
+        let errors = self.errors();
         let path = std::path::Path::new(&csv.path.value);
         let plain = path
             .components()
@@ -57,17 +57,25 @@ impl Checker {
             .help
             .push(format!("give at least one of {} a column", shown.join(", ")));
         }
+        let has_column = |name: &str| csv.columns.iter().any(|(n, _)| n.value == name);
+        for (name, _) in csv.sensors.iter().filter(|(name, _)| names.contains(&name.value.as_str())) {
+            if !has_column(&name.value) {
+                self.without_column(name, "sensor");
+            }
+        }
         let (derived, differentiators) = self.derived(&csv.derive, system);
         for (k, input) in system.inputs.iter().enumerate() {
-            if derived[k].is_none() && !csv.columns.iter().any(|(n, _)| n.value == input.name) {
+            if derived[k].is_none() && !has_column(&input.name) {
                 self.error(format!("input `{}` has neither a column nor a derivation in this record", input.name), csv.path.span, "")
                     .help
                     .push(format!("add `\"{0}\": (\"header\", \"{1}\")` to `columns`, or `derive: {{ \"{0}\": Derivative(...) }}`", input.name, input.unit));
             }
         }
-        let measured = |k: usize| csv.columns.iter().any(|(n, _)| n.value == system.inputs[k].name);
-        let unmeasured: Vec<_> =
-            derived.iter().enumerate().map(|(k, of)| of.filter(|_| !measured(k))).collect();
+        let unmeasured: Vec<_> = derived
+            .iter()
+            .enumerate()
+            .map(|(k, of)| of.filter(|_| !has_column(&system.inputs[k].name)))
+            .collect();
         let constants = self.record_constants(&DataSpec::Csv(Box::new(csv.clone())), spec, system, &csv.path);
         let plan = RecordPlan {
             name: csv.name.as_ref().map_or(csv.path.value.clone(), |n| n.value.clone()),
@@ -80,6 +88,6 @@ impl Checker {
             start: self.start(&csv.start, system),
             origin: Origin::Csv(Box::new(csv.clone())),
         };
-        (self.diagnostics.len() == errors).then_some(plan)
+        (self.errors() == errors).then_some(plan)
     }
 }

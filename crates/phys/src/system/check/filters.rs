@@ -102,7 +102,9 @@ impl Checker {
             return;
         }
         if first.order.value > MOST_POLES {
-            self.error(format!("a filter has at most {MOST_POLES} poles"), first.order.span, "");
+            self.error(format!("a filter has at most {MOST_POLES} poles"), first.order.span, "")
+                .help
+                .push("give the order of the sensor's data sheet: 1 to 8 as a rule".into());
             return;
         }
         let name = format!("{column}.{}.cutoff", kind.name());
@@ -132,7 +134,9 @@ impl Checker {
                 for (value, factor) in values {
                     let SensorValue::Number(number) = value else { return mixed(self) };
                     if number.value <= 0.0 {
-                        self.error("a cutoff is greater than zero", number.span, "");
+                        self.error("a cutoff is greater than zero", number.span, "").help.push(
+                            "give the frequency at which the filter halves the power, or leave it out".into(),
+                        );
                         return None;
                     }
                     all.push(self.si(number, factor));

@@ -128,9 +128,11 @@ impl Checker {
             })
             .collect();
         let allowed: Vec<&str> = allowed.iter().copied().chain(rates.iter().map(String::as_str)).collect();
+        let zero = self.graph.constant(0.0);
         let mut outputs = Vec::new();
         for (name, spec, factor) in declared {
-            let Some(node) = self.expression_with(&spec.reads, &allowed, &[RATE]) else { continue };
+            // After a mistake the name stays known: what else names it is right.
+            let node = self.expression_with(&spec.reads, &allowed, &[RATE]).unwrap_or(zero);
             let (name, unit, reads) = (name.value.clone(), spec.unit.value.clone(), spec.reads.value.clone());
             outputs.push(Output { name, unit, factor, reads, reading: node, node });
         }

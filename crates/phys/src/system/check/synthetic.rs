@@ -5,7 +5,7 @@ use super::record::quantity_names;
 use crate::system::equations::System;
 use crate::system::model::Model;
 use crate::system::plan::{Origin, RecordPlan, Synthetic, SyntheticInput};
-use crate::text::spec::{DataSpec, InputSpec, Spec, SyntheticSpec, Text};
+use crate::text::spec::{DataSpec, InputSpec, NoiseSpec, Spec, SyntheticSpec, Text};
 use phisindy_expr::Id;
 use std::collections::HashMap;
 
@@ -54,7 +54,7 @@ impl Checker {
         spec: &Spec,
         system: &System,
     ) -> Option<RecordPlan> {
-        let errors = self.diagnostics.iter().filter(|d| d.is_error()).count();
+        let errors = self.errors();
         let mut allowed: Vec<&str> = vec!["t"];
         allowed.extend(system.states.iter().map(|s| s.name.as_str()));
         allowed.extend(system.inputs.iter().map(|u| u.name.as_str()));
@@ -77,6 +77,7 @@ impl Checker {
         let inputs = self.excitations(data, system, &derived);
         let start = self.start(&data.start, system);
         let (measured_columns, measured_inputs) = self.measured(data, system);
+        self.noise(&data.noise, (&measured_columns, &measured_inputs), system);
         let title = Text { value: format!("record {index}"), span: data.span };
         let own = |k: usize| data.inputs.iter().any(|(n, _)| n.value == system.inputs[k].name);
         let unexcited: Vec<_> = derived.iter().enumerate().map(|(k, of)| of.filter(|_| !own(k))).collect();
@@ -108,7 +109,22 @@ impl Checker {
                 window: data.window.as_ref().map(|w| (w.0.value, w.1.value)),
             })),
         };
-        (self.diagnostics.iter().filter(|d| d.is_error()).count() == errors).then_some(plan)
+        (self.errors() == errors).then_some(plan)
+    }
+
+    /// Noise of a sensor stands beside the column that it falls on.
+    fn noise(&mut self, noise: &NoiseSpec, (columns, inputs): (&[bool], &[bool]), system: &System) {
+        let NoiseSpec::Sensor(each) = noise else { return };
+        for (name, _) in each {
+            match (system.column(&name.value), system.input(&name.value)) {
+                (Some(k), _) if columns[k] => {}
+                (_, Some(k)) if inputs[k] => {}
+                (None, None) => {
+                    self.unknown_name(&name.value, name.span, "column in `noise`", &quantity_names(system));
+                }
+                _ => self.without_column(name, "noise"),
+            }
+        }
     }
 
     /// Which columns and which inputs are recorded: the outputs where there are some, else the states, unless

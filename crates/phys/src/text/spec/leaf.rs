@@ -60,8 +60,9 @@ impl Reader<'_> {
         match ron::from_str(slice) {
             Ok(value) => Some(Spanned { value, span: node.span }),
             Err(_) => {
-                let message = format!("expected a whole number from 0 to {}, found {slice}", u64::MAX);
-                self.wrong(node.span, message, "not such a number", "write it without a decimal point")
+                let message = format!("expected a whole number, found {slice}");
+                let help = "write a number from 0 to 1.8e19, without a decimal point";
+                self.wrong(node.span, message, "not such a number", help)
             }
         }
     }
@@ -72,9 +73,8 @@ impl Reader<'_> {
         match u32::try_from(whole.value) {
             Ok(value) if value > 0 => Some(Spanned { value, span: whole.span }),
             _ => {
-                let message =
-                    format!("expected a whole number from 1 to {}, found {}", u32::MAX, whole.value);
-                self.wrong(node.span, message, "out of range", "")
+                let message = format!("expected a whole number greater than zero, found {}", whole.value);
+                self.wrong(node.span, message, "out of range", "write a number from 1 to 4.29e9")
             }
         }
     }

@@ -185,6 +185,24 @@ fn records_are_checked_too() {
 }
 
 #[test]
+fn a_constant_that_a_sensor_names_has_the_unit_of_its_place() {
+    let constants = r#""f": (50.0, "Hz"), "T": (2.0, "ms"), "n": 3.0"#;
+    let said = |part: &str| {
+        let sensor = format!("\"F\": \"F\" }}, sensors: {{ \"x\": ({part}) }}");
+        let mut found = mistakes(&mass(constants, "(F - k*x)/m", NOTHING).replace("\"F\": \"F\" }", &sensor));
+        assert!(found.len() < 2, "{found:?}");
+        found.pop().map_or(String::new(), |(place, message)| format!("{place}: {message}"))
+    };
+    assert_eq!(said(r#"delay: "T", gain: "n", offset: 0.1, lowpass: (order: 1, cutoff: "f")"#), "");
+    assert_eq!(said(r#"delay: "k""#), "k: the delay of `x` is in s, but `k` is in N/m");
+    assert_eq!(said(r#"gain: "k""#), "k: the gain of `x` is a plain number, but `k` is in N/m");
+    assert_eq!(said(r#"offset: "T""#), "T: the offset of `x` is in m, but `T` is in s");
+    let cutoff = |name: &str| said(&format!(r#"highpass: (order: 1, cutoff: "{name}")"#));
+    assert_eq!(cutoff("k"), "k: a cutoff is a frequency in Hz, but `k` is in N/m");
+    assert_eq!(cutoff("W"), "W: a cutoff is a frequency in Hz, but `W` is in rad/s");
+}
+
+#[test]
 fn coefficients_have_the_units_that_follow() {
     let candidates = ["1", "x", "v", "x^2", "ln(|v|/V)", "2*x", "1 + x/0.1", "cos(3*t)"];
     assert_eq!(

@@ -120,6 +120,21 @@ impl Words {
             .help("one constant has one dimension in all records")
     }
 
+    /// A constant where another dimension is due; `what` is what it stands for.
+    pub(super) fn named(&self, what: &str, constant: &Text, [due, is]: [&Form; 2]) -> Diagnostic {
+        let name = &constant.value;
+        Diagnostic::error(format!("{what} is {}, but `{name}` is {}", in_unit(due), in_unit(is)))
+            .at(self.source, constant.span, is_in(is))
+            .help(format!("name a constant in \"{}\" or a multiple of it, or write a number", bare(due)))
+    }
+
+    /// A constant that is a cutoff and no frequency in Hz.
+    pub(super) fn cutoff(&self, constant: &Text, is: &str) -> Diagnostic {
+        Diagnostic::error(format!("a cutoff is a frequency in Hz, but `{}` is {is}", constant.value))
+            .at(self.source, constant.span, "")
+            .help("give it in Hz or kHz; 1 Hz is 6.283 rad/s")
+    }
+
     pub(super) fn unit(&self, what: &str, unit: &Text, [due, is]: [&Form; 2]) -> Diagnostic {
         Diagnostic::error(format!("{what} is {}, not {}", in_unit(due), in_unit(is)))
             .at(self.source, unit.span, "")
@@ -128,7 +143,7 @@ impl Words {
 }
 
 /// `a plain number`, or `in N/m`.
-fn in_unit(form: &Form) -> String {
+pub(super) fn in_unit(form: &Form) -> String {
     if form.is_none() { form.to_string() } else { format!("in {form}") }
 }
 
