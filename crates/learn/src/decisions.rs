@@ -339,10 +339,8 @@ decisions! {
     /// Steps for each sample of a trial model with memory: one that fades within a part of a sample looks
     /// like none.
     MEMORY_STEPS: usize = 4, "steps", BLIND;
-    /// Local error of the simulations of a trial, and its upper limit.
-    TRIAL_TOLERANCE: [f64; 2] = [1e-4, 1e-5], "part of the noise, part of the state's size", Basis::Derived("small against the noise, also where it adds up over a record");
-    /// The same where trials are compared by a factor of their costs, or led to the start of a single run; the part of
-    /// the noise is for all samples of a segment together.
+    /// Local error where trials are compared by a factor of their costs, or led to the start of a single run, and its
+    /// upper limit; the part of the noise is for all samples of a segment together.
     ROUGH_TOLERANCE: [f64; 2] = [0.5, 1e-3], "part of the noise, part of the state's size", Basis::Derived("a quarter of the noise's power at the end of a segment, where costs are compared within a factor of three");
     /// Iterations and gain of a quick score in segments.
     QUICK_SEGMENTS: [f64; 2] = [4.0, 1e-2], "iterations, part of the cost", BLIND;

@@ -4,7 +4,7 @@
 use crate::decisions::{
     ASTRAY, FAR_GAIN, LIKELIHOOD_GAIN, MEMORY_STEPS, MISFIT, QUICK_SEGMENTS, QUICK_SINGLE, RESTART_MINIMUM,
     RESTART_PROMISE, RESTART_REACH, RESTARTS, ROUGH_TOLERANCE, SEGMENTS_MINIMUM, SINGLE_ITERATIONS, STAGES,
-    STEPS_TO_ONE, TOLERANCE, TRIAL_BASE_STEPS, TRIAL_STEPS, TRIAL_TOLERANCE, WRONG_MODEL,
+    STEPS_TO_ONE, TOLERANCE, TRIAL_BASE_STEPS, TRIAL_STEPS, WRONG_MODEL,
 };
 use crate::least_squares::Limits;
 use crate::result::error::ModelError;
@@ -231,11 +231,10 @@ impl<'a> Stage<'a> {
         problem.stop = setup.stop.clone();
         // Error bars are asked of one model, which need not be quick.
         problem.budget = (effort != Effort::Errors).then(|| budget(&problem));
-        if effort == Effort::Plain {
-            problem.tolerance = match pieces {
-                1 => tolerance(&problem, noise, TRIAL_TOLERANCE),
-                _ => rough_tolerance(&problem, noise),
-            };
+        // A single run is simulated as exactly as a result: along a motion that is sensitive, the errors of steps that
+        // are as rough as the noise allows grow, and the cost has no smooth minimum.
+        if effort == Effort::Plain && pieces > 1 {
+            problem.tolerance = rough_tolerance(&problem, noise);
         }
         let mut x = problem.guess(&[], None, starts);
         if let Some(begun) = setup.begun.filter(|begun| pieces == STAGES[0] && begun.x.len() == x.len()) {
@@ -295,8 +294,11 @@ fn budget(problem: &Problem<'_>) -> usize {
     TRIAL_BASE_STEPS + longest * if memory { MEMORY_STEPS } else { TRIAL_STEPS }
 }
 
-/// Local error of the simulations of a trial: a part of the noise, and at most a part of the state's size.
-fn tolerance(problem: &Problem<'_>, noise: &Noise, [of_noise, of_size]: [f64; 2]) -> f64 {
+/// Local error where trials are compared by a factor of their costs, or led to the start of a single run: a part of
+/// the state's size, and at most so much that the errors of a step for each sample add up to a part of the noise at
+/// the end of a segment.
+fn rough_tolerance(problem: &Problem<'_>, noise: &Noise) -> f64 {
+    let [of_noise, of_size] = ROUGH_TOLERANCE;
     let parts = problem.records.iter().zip(noise).flat_map(|(record, noise)| {
         // An output is as accurate as the states that it reads.
         let size =
@@ -304,14 +306,8 @@ fn tolerance(problem: &Problem<'_>, noise: &Noise, [of_noise, of_size]: [f64; 2]
         let of = move |k: usize| record.columns[k].as_ref().map(|c| noise[k].additive / size(k, c));
         (0..noise.len()).filter_map(of)
     });
-    (of_noise * parts.fold(f64::INFINITY, f64::min)).clamp(TOLERANCE, of_size)
-}
-
-/// The same where trials are compared by a factor of their costs, or led to the start of a single run: the errors of
-/// a step for each sample add up to a part of the noise at the end of a segment.
-fn rough_tolerance(problem: &Problem<'_>, noise: &Noise) -> f64 {
-    let [of_noise, of_size] = ROUGH_TOLERANCE;
-    tolerance(problem, noise, [of_noise / problem.longest_segment().max(1) as f64, of_size])
+    let least = parts.fold(f64::INFINITY, f64::min) / problem.longest_segment().max(1) as f64;
+    (of_noise * least).clamp(TOLERANCE, of_size)
 }
 
 /// The range of chi^2 per sample in which [`Effort::Thorough`] tries other starts. Below it there is nothing
