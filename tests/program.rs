@@ -285,8 +285,15 @@ fn a_folder_of_laws_adds_to_the_catalogue() {
     let said = phisindy(&["laws", "mine", "--laws", &scratch.path("")]);
     assert_eq!(said.code, 0, "{}", said.err);
     assert!(said.out.contains("a*v") && said.out.contains("0 to 1"), "{}", said.out);
-    std::fs::write(scratch.path("bad.ron"), "(name: 1)").expect("a file");
-    assert_eq!(phisindy(&["laws", "--laws", &scratch.path("")]).code, 2);
+    assert!(!said.err.contains("built in"), "{}", said.err);
+    std::fs::copy(scratch.path("mine.ron"), scratch.path("coulomb.ron")).expect("a file");
+    let said = phisindy(&["laws", "mine", "--laws", &scratch.path("")]);
+    assert!(said.err.contains("`coulomb` stands for the law of this name that is built in"), "{}", said.err);
+    // Control bytes of somebody else's file do not reach the terminal.
+    std::fs::write(scratch.path("bad.ron"), "(name: 1, about: \"\u{1b}[2J\")").expect("a file");
+    let said = phisindy(&["laws", "--laws", &scratch.path("")]);
+    assert_eq!(said.code, 2);
+    assert!(said.err.contains("?[2J") && !said.err.contains('\u{1b}'), "{}", said.err);
 }
 
 #[test]

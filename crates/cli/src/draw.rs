@@ -49,11 +49,37 @@ fn draw(
     let clipped = Clipped::new(diagnostic, sources);
     let drawn = converted(&clipped.diagnostic, &clipped.sources);
     term::emit_to_write_style(
-        buffer,
+        &mut Printable(buffer),
         &Config::default(),
         &Texts { whole: sources, clipped: &clipped },
         &drawn,
     )
+}
+
+/// What is drawn may quote somebody else's file: its control bytes must not reach the terminal.
+struct Printable<'a>(&'a mut termcolor::Buffer);
+
+impl Write for Printable<'_> {
+    fn write(&mut self, text: &[u8]) -> io::Result<usize> {
+        let shown = |byte: &u8| if byte.is_ascii_control() && !b"\n\t".contains(byte) { b'?' } else { *byte };
+        self.0.write_all(&text.iter().map(shown).collect::<Vec<u8>>())?;
+        Ok(text.len())
+    }
+    fn flush(&mut self) -> io::Result<()> {
+        self.0.flush()
+    }
+}
+
+impl termcolor::WriteColor for Printable<'_> {
+    fn supports_color(&self) -> bool {
+        self.0.supports_color()
+    }
+    fn set_color(&mut self, spec: &termcolor::ColorSpec) -> io::Result<()> {
+        self.0.set_color(spec)
+    }
+    fn reset(&mut self) -> io::Result<()> {
+        self.0.reset()
+    }
 }
 
 /// A diagnostic in the terms of the drawing crate.

@@ -246,8 +246,6 @@ decisions! {
     GIVES_BACK: f64 = 0.01, "of the energy", BLIND;
     /// A resistance must take energy at this many times the measured speeds too.
     FAR_ABOVE: f64 = 10.0, "factor", Basis::Judgement("a law that is right does not end a decade above the record");
-    /// A parameter beyond this fraction of its bound is not determined by the data.
-    NO_END: f64 = 0.5, "of the bound", Basis::Judgement("bounds of laws are far beyond any rig");
     /// An elastic contact whose force stays below this never slips.
     SLIPS: f64 = 0.5, "of the level", BLIND;
     // The end.

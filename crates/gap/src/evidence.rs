@@ -2,7 +2,7 @@
 //! law's file, the drive, compliance during stops.
 
 use crate::constraint::fulfilled;
-use crate::decisions::{EXPLAINED, FAR_ABOVE, GIVES_BACK, GIVES_WAY, NO_END, SHORT_STOP, SLIPS};
+use crate::decisions::{EXPLAINED, FAR_ABOVE, GIVES_BACK, GIVES_WAY, SHORT_STOP, SLIPS};
 use crate::drive::{Drive, multiple_of_oscillation};
 use crate::evaluate::evaluated;
 use crate::model::{Applied, Fitted, values};
@@ -12,7 +12,7 @@ use crate::result::Veto;
 use phisindy_expr::Tape;
 use phisindy_phys::spec::Role;
 use phisindy_phys::unit::Unit;
-use phisindy_phys::{LawParameter, LawRole, Record};
+use phisindy_phys::{LawRole, Record};
 use std::collections::HashMap;
 use std::f64::consts::TAU;
 
@@ -95,12 +95,17 @@ fn violates_requirement(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
     (fulfilled(law, &numbers(fitted, effect)?)? < 0.0).then(|| Veto::Requirement(need.because.clone()))
 }
 
-/// A parameter close to the bound of its law stands for a simpler law.
+/// A parameter that ends at the upper bound of its law, where the data want to go beyond it, stands for a simpler law.
 fn parameter_at_bound(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
     let law = &effect.entry.law;
-    // What each record has of its own, a phase, may take any value; so may a number over its whole range.
-    let ends = |((_, p), v): &(&(String, LawParameter), f64)| !p.each && !p.whole && *v > NO_END * p.within.1;
-    let ((name, p), _) = law.parameters.iter().zip(numbers(fitted, effect)?).find(ends)?;
+    let own = fitted.model.effects.iter().find(|a| a.effect.same(effect))?;
+    let ended = |&k: &usize| {
+        let (_, p) = &law.parameters[k];
+        let found = fitted.cal.parameters.iter().find(|f| f.id.constant() == Some(own.parameters[k]));
+        // What each record has of its own, a phase, may take any value; so may a number over its whole range.
+        !p.each && !p.whole && found.is_some_and(|f| f.estimate.value >= f.bounds.1)
+    };
+    let (name, p) = &law.parameters[(0..law.parameters.len()).find(ended)?];
     // The law's file speaks of forces and lengths, the model perhaps of accelerations and angles.
     let unit = effect.unit(&p.unit, &fitted.model.system);
     let factor = Unit::parse(&unit).map_or(1.0, |u| u.factor);
@@ -300,7 +305,6 @@ mod tests {
     }
 
     const PRESLIDING: &str = include_str!("../../../specs/laws/presliding.ron");
-    const DEAD_ZONE: &str = include_str!("../../../specs/laws/dead-zone.ron");
     const TONE: &str = include_str!("../../../specs/laws/harmonic-force.ron");
 
     /// An elastic contact that never slips is ruled out; one that slips is not.
@@ -311,16 +315,13 @@ mod tests {
         assert_eq!(said("-0.3*sgn(v)", "presliding", PRESLIDING, &[0.3, 5.0]), None);
     }
 
-    /// A clearance beyond the range of the motion is not identifiable: the law acts as a constant force or a
-    /// removed spring.
+    /// A damper of 0.7 is beyond a bound of 0.5; near a bound of 0.75 the records tell it as well as far from one.
     #[test]
     fn a_parameter_at_its_bound_is_ruled_out() {
-        let law = DEAD_ZONE.replace("within: (0.0, 10.0)", "within: (0.0, 0.5)");
-        assert_ne!(law, DEAD_ZONE);
-        let truth = "-0.8*(max(x-0.3, 0) + min(x+0.3, 0) - x)";
-        let why = said(truth, "dead-zone", &law, &[0.8, 0.3]);
+        let within = |bound: &str| said("-0.7*v", "viscous", &VISCOUS.replace("1e12", bound), &[0.4]);
+        let why = within("0.5");
         assert!(matches!(why, Some(Veto::ParameterAtEnd { .. })), "{why:?}");
-        assert_eq!(said(truth, "dead-zone", DEAD_ZONE, &[0.8, 0.3]), None);
+        assert_eq!((within("0.75"), within("1e12")), (None, None));
     }
 
     /// The bound is told in the unit of the model, not in that of the law's file: here a clearance is an
@@ -332,8 +333,9 @@ mod tests {
             known: { "x": "v", "v": "-k*x - c*v + F0*cos(W*t)" }, unknown: {},
             data: [ Synthetic(truth: { "v": "-0.8*(max(x-0.3, 0) + min(x+0.3, 0) - x)" }, start: { "x": 1.0, "v": 0.0 }, duration: 40.0, step: 0.05, noise: Additive(0.02), seed: 1) ])"#,
         );
-        let law = DEAD_ZONE.replace("within: (0.0, 10.0)", "within: (0.0, 0.5)");
-        let contact = effect(&base, "dead-zone", &law, "v", &[0.8, 0.3]);
+        let law = r#"(name: "Play", roles: { "x": "m", "v": "m/s" }, parameters: { "gap": (unit: "m", within: (0.0, 0.2)) },
+            given: { "ks": (0.8, "N/m") }, force: "ks*(dead(x,gap) - x)")"#;
+        let contact = effect(&base, "play", law, "v", &[0.15]);
         let last = fitted_model(base.with(&contact).expect("a model"), &noise);
         let why = parameter_at_bound(&last, &contact);
         assert!(matches!(&why, Some(Veto::ParameterAtEnd { unit, .. }) if unit == "rad"), "{why:?}");

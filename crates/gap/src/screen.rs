@@ -159,6 +159,7 @@ fn left_out(
         }
         let reason = match (unknown(entry), own.iter().rev().find_map(|&k| screened[k].why.clone())) {
             (Some(name), _) => WhyNot::UnknownName(name),
+            _ if entry.law.parameters.is_empty() => WhyNot::NothingToFind,
             (None, Some(why)) => why,
             (None, None) => WhyNot::NoPlace(needs(&entry.law)),
         };
@@ -227,7 +228,11 @@ impl<'a> Free<'a> {
     fn seeds(&self, trials: Vec<Trial>, regressors: Option<Regressors>) -> Seeds {
         let tone = regressors.iter().flat_map(|r| &r.grid).any(|axis| axis.scale == Scale::Frequency);
         let few = !tone && trials.len() > GRID_KEPT;
-        let none = if trials.is_empty() { Err(WhyNot::NotFinite) } else { Err(WhyNot::NotSeen) };
+        let none = Err(match (trials.is_empty(), tone) {
+            (true, true) => WhyNot::NoTone,
+            (true, false) => WhyNot::NotFinite,
+            (false, _) => WhyNot::NotSeen,
+        });
         let seeds: Vec<(Result<Candidate, WhyNot>, Trial)> =
             trials.into_iter().map(|t| (self.candidate(&t, regressors.as_ref()), t)).collect();
         // Of many where none is of use the first one tells why, of few the last one.
@@ -519,6 +524,29 @@ mod tests {
             "r": (unit: "N*s^2/m^2", within: (-1e6, 1e6)) },
         force: "p*v + q*v^3 + r*v^2", sketch: (over: "v", with: { "p": 1.0, "q": 1.0, "r": 1.0 }),
     )"#;
+
+    /// A law that is not tried is told with the reason: no parameter, no number anywhere.
+    #[test]
+    fn what_is_not_tried_is_told_why() {
+        let (base, noise) = model(
+            r#"(states: { "x": "m", "v": "m/s" }, known: { "x": "v", "v": "-x - 0.3*v" }, unknown: {},
+                data: [ Synthetic(truth: {}, start: { "x": 1.0, "v": 0.0 }, duration: 20.0, step: 0.05,
+                    noise: Additive(0.01), seed: 1) ])"#,
+        );
+        let law = |id: &str, parameters: &str, force: &str| {
+            let text = format!(
+                r#"(name: "{id}", about: "", reference: "none", roles: {{ "v": "m/s" }}, parameters: {{ {parameters} }}, force: "{force}")"#
+            );
+            LawEntry::read(id, &text).expect("a law")
+        };
+        let damper = r#""d": (unit: "N*s/m", within: (0.0, 1e6))"#;
+        let laws = [law("fixed", "", "3*v"), law("nowhere", damper, "d*v*sqrt(-1 - abs(v))")];
+        let fitted = fitted(base, &noise);
+        let found =
+            screen(&fitted.model, &fitted.cal, &laws, &noise, Target::AlongData).expect("a screening");
+        let why: Vec<(&str, &WhyNot)> = found.left_out.iter().map(|l| (l.law.as_str(), &l.why)).collect();
+        assert_eq!(why, [("fixed", &WhyNot::NothingToFind), ("nowhere", &WhyNot::NotFinite)]);
+    }
 
     /// A part whose best value has the wrong sign starts at zero. Where one part is left the law is out.
     #[test]

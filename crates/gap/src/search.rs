@@ -31,6 +31,7 @@ use phisindy_learn::{Effort, SegmentFit};
 use phisindy_phys::LawEntry;
 use proposals::{friction_pairs, is_composed, singles};
 use rayon::prelude::*;
+use std::collections::HashSet;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
@@ -215,7 +216,13 @@ impl Search<'_> {
                 Target::AlongData,
             )?))
         });
-        let tried = after_fits(first.unwrap_or_default(), rounds.first());
+        let (tried, mut left_out) = after_fits(first.unwrap_or_default(), rounds.first());
+        // Beside other effects a law may have been fitted after all.
+        let fitted = rounds.iter().flat_map(|r| r.fitted.iter().map(|(at, ..)| &at.law));
+        let ids: HashSet<&String> =
+            fitted.chain(now.model.effects.iter().map(|a| &a.effect.entry.id)).collect();
+        left_out.retain(|law| !ids.contains(&law.law));
+        let tried = (tried, left_out);
         Ok(Searched { base, last: now, rounds, candidates, stop, needed: vec![], tried, force: None })
     }
 

@@ -364,6 +364,8 @@ decisions! {
 
     /// An input with larger changes from sample to sample is rough by itself.
     ROUGH_INPUT: f64 = 0.2, "of a standard deviation", BLIND;
+    /// An input with less noise is exact.
+    EXACT_INPUT: f64 = 1e-5, "of a standard deviation", Basis::Convention("the rounding of a converter of 16 bits over the range of a signal");
     /// Draws of as much noise once more: their mean tells a bias of a standard error from its scatter.
     BIAS_DRAWS: usize = 16, "draws", Basis::Judgement("cost; a standard deviation is then known to a sixth");
 

@@ -7,7 +7,7 @@
 //! Gauss-Newton step for each draw gives the motion. Its scatter enters the error bars; its mean is told
 //! where it is larger than they.
 
-use crate::decisions::{BIAS_DRAWS, HALF_WIDTH_95, ROUGH_INPUT};
+use crate::decisions::{BIAS_DRAWS, EXACT_INPUT, HALF_WIDTH_95, ROUGH_INPUT};
 use crate::differentiator_dependence::{Number, step};
 use crate::result::warning::{Bias, Warning};
 use crate::trajectory::fit::Fit;
@@ -22,7 +22,9 @@ pub fn noisier(record: &Record, how: &[Differentiator], draw: usize) -> Option<(
     let (mut out, mut of) = (record.clone(), Vec::new());
     let mut disturb = |k: usize, values: &mut Vec<f64>| {
         let sigma = noise_level_at(&record.time, values);
-        if sigma > 0.0 && sigma < ROUGH_INPUT * standard_deviation(values) {
+        // Digits of a computed input are no noise: along a chaotic motion even they would move the numbers.
+        let size = standard_deviation(values);
+        if sigma > EXACT_INPUT * size && sigma < ROUGH_INPUT * size {
             let mut stream = Streams(draw as u64).stream(&format!("noise of input {k} in {}", record.name));
             add_noise(values, Noise::Sensor(sigma), &mut stream);
             of.push(k);
@@ -122,4 +124,27 @@ fn inputs(fit: &Fit<'_>) -> Option<Vec<String>> {
     all.dedup();
     let names: Vec<String> = all.iter().map(|&k| problem.system.inputs[k].name.clone()).collect();
     (!names.is_empty()).then_some(names)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::line_models::{records, scatter};
+    use phisindy_phys::spec::Role;
+
+    /// Noise of a sensor is doubled; the last digits of a computed input are not.
+    #[test]
+    fn what_is_exact_is_left_alone() {
+        let still = r#"states: {"x": ""}, known: {"x": "0"}, unknown: {}"#;
+        let (_, records) = records(still, &[(Role::Fit, vec![0.0; 200])]);
+        let time = records[0].time.clone();
+        for (sigma, noisy) in [(1e-2, vec![0]), (1e-4, vec![0]), (1e-7, vec![]), (0.0, vec![])] {
+            let values =
+                scatter(200).iter().enumerate().map(|(i, e)| (0.05 * i as f64).sin() + sigma * e).collect();
+            let input = Signal::new(time.clone(), values, Interpolation::Linear).unwrap();
+            let record = Record { inputs: vec![input], ..records[0].clone() };
+            let (_, of) = noisier(&record, &[], 0).unwrap();
+            assert_eq!(of, noisy, "{sigma}");
+        }
+    }
 }

@@ -50,7 +50,8 @@ pub(crate) fn laws(name: Option<&str>, options: &Options) -> Result<u8> {
         );
         return Err(anyhow!("there is no law `{name}`; {hint}"));
     };
-    print(&shown(law))?;
+    // The file may be somebody else's.
+    print(&shown(law).replace(|c: char| c.is_control() && !"\n\t".contains(c), "?"))?;
     Ok(0)
 }
 

@@ -45,6 +45,10 @@ pub enum WhyNot {
     OutOfBounds,
     /// Its forces are not finite along the records.
     NotFinite,
+    /// It oscillates, and what is left has no spectral line to start from.
+    NoTone,
+    /// It has no parameter.
+    NothingToFind,
 }
 
 impl fmt::Display for WhyNot {
@@ -66,6 +70,10 @@ impl fmt::Display for WhyNot {
             }
             WhyNot::OutOfBounds => f.write_str("it fits only with parameters outside their bounds"),
             WhyNot::NotFinite => f.write_str("its force is not finite along these records"),
+            WhyNot::NoTone => f.write_str("what the model leaves has no frequency of its own"),
+            WhyNot::NothingToFind => {
+                f.write_str("it has no parameter to find; write it into `known` instead")
+            }
         }
     }
 }

@@ -217,6 +217,10 @@ impl Program {
             let rests = |i: usize| sticks && still.is_some_and(|s| s.rests[i]);
             for (c, column) in columns.iter_mut().enumerate() {
                 let mut g = vec![0.0; samples * n];
+                // A force that is a number nowhere is no column; where it is none now and then, it counts as zero.
+                if (0..width).any(|j| values[c * width + j].iter().all(|f| !f.is_finite())) {
+                    column.push(f64::NAN);
+                }
                 for (j, &(state, _)) in acts.iter().enumerate() {
                     let force = &values[c * width + j];
                     (0..samples)

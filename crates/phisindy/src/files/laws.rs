@@ -3,6 +3,7 @@
 use super::folders::open_plain_file;
 use super::request::Request;
 use crate::laws::{Catalogue, LawError};
+use phisindy_expr::Span;
 use phisindy_phys::{BUILT_IN, Diagnostic, Law, LawEntry, SourceId, Sources};
 use std::fmt;
 use std::io::{self, Read};
@@ -47,7 +48,8 @@ pub fn beside(spec: &Path, request: &Request) -> Result<Catalogue, LawFolderErro
     catalogue(&folders.iter().map(PathBuf::as_path).collect::<Vec<_>>())
 }
 
-/// Warnings about the laws of these folders: laws that they name and the catalogue does not hold.
+/// Warnings about the laws of these folders: laws that they name and the catalogue does not hold, and files that stand
+/// for a law that is built in.
 pub fn doubts(folders: &[&Path], all: &Catalogue, sources: &mut Sources) -> Vec<Diagnostic> {
     let known: Vec<&str> = all.laws().iter().map(|entry| entry.id.as_str()).collect();
     let own = |entry: &&LawEntry| !BUILT_IN.iter().any(|(_, text)| **text == entry.text);
@@ -56,7 +58,14 @@ pub fn doubts(folders: &[&Path], all: &Catalogue, sources: &mut Sources) -> Vec<
         let file = folders.iter().map(|f| f.join(format!("{}.ron", entry.id))).find(|path| path.is_file());
         let name = file.map_or_else(|| entry.id.clone(), |path| path.display().to_string());
         let unknown = || Law::unknown_references(&entry.text, SourceId(sources.files.len()), &known);
-        let warnings = unknown();
+        let mut warnings = unknown();
+        if BUILT_IN.iter().any(|(id, _)| *id == entry.id) {
+            let message = format!("`{}` stands for the law of this name that is built in", entry.id);
+            let replaced = Diagnostic::warning(message)
+                .at(SourceId(sources.files.len()), Span::default(), "this file is tried in its place")
+                .help("rename the file if both are to be tried");
+            warnings.push(replaced);
+        }
         if !warnings.is_empty() {
             sources.add(name, entry.text.clone());
             found.extend(warnings);

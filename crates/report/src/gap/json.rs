@@ -31,6 +31,8 @@ struct Outcome<'a> {
     spec: &'a str,
     status: &'a str,
     steps: Vec<StepOut<'a>>,
+    /// Whether it ended early: what it says then is what was found so far.
+    stopped: bool,
     title: &'a str,
     tried: Vec<TriedOut<'a>>,
     version: &'a str,
@@ -227,6 +229,7 @@ fn outcome<'a>(report: &GapReport<'a>) -> Outcome<'a> {
         spec: input.name,
         status: found.status.name(),
         steps: found.steps.iter().map(|s| step(found, s)).collect(),
+        stopped: ending.stopped.is_some(),
         title: &input.case.system.title,
         tried: found.tried.iter().map(tried).collect(),
         version: env!("CARGO_PKG_VERSION"),

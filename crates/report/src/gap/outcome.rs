@@ -33,14 +33,18 @@ pub(crate) fn outcome(found: &Gap) -> String {
         Status::Unexplained => {
             let place =
                 found.left.first().map_or(String::new(), |r| format!(", mostly in {}, {r}", r.column));
-            format!(
-                "{}: a gap of {} is left{place}",
-                match found.alternative {
-                    Some(_) => "no law here explains it, but something else would (see above)",
-                    None => "something is missing that no law here and no formula explains",
-                },
-                short(last)
-            )
+            let doubted = found.warnings.iter().any(|w| {
+                matches!(w, Warning::Vetoed(_) | Warning::Cancelling(_) | Warning::SensorNonlinearity(_))
+            });
+            let words = match found.alternative {
+                _ if found.interrupted() => "the search ended before it was done",
+                Some(_) => "no law here explains it, but something else would (see above)",
+                None if doubted && last <= NOISE => {
+                    "what was added leaves only noise, but evidence speaks against it (see above)"
+                }
+                None => "something is missing that no law here and no formula explains",
+            };
+            format!("{words}: a gap of {} is left{place}", short(last))
         }
     }
 }
