@@ -11,7 +11,7 @@ const SIZES: (f64, f64, usize) = (0.02, 3.0, 24);
 /// Rates that are tried, times the largest value.
 const RATES: (f64, f64, usize) = (0.25, 6.0, 16);
 /// Powers that are tried.
-const POWERS: [f64; 9] = [0.25, 0.75, 1.25, 1.75, 2.25, 2.75, 3.5, 4.0, 6.0];
+const POWERS: [f64; 8] = [0.25, 0.75, 1.25, 1.75, 2.25, 2.75, 3.5, 4.0];
 /// Corners that are tried, as quantiles of the values.
 const CORNERS: usize = 20;
 /// How far beyond the values that are tried a number may be found.
@@ -63,7 +63,7 @@ impl Scale {
             Inner::Rate => (-RATES.1 * BEYOND / top, RATES.1 * BEYOND / top),
             Inner::Wave => (WAVES.0 / BEYOND / top, WAVES.1 * BEYOND / top),
             Inner::Corner => (-BEYOND * top, BEYOND * top),
-            Inner::Power => (0.1, 8.0),
+            Inner::Power => (0.1, 4.0),
         }
     }
 
