@@ -5,11 +5,11 @@ use crate::constraint::fulfilled;
 use crate::decisions::{EXPLAINED, FAR_ABOVE, GIVES_BACK, GIVES_WAY, SHORT_STOP, SLIPS};
 use crate::drive::{Drive, multiple_of_oscillation};
 use crate::evaluate::evaluated;
-use crate::model::{Applied, Fitted, values};
+use crate::model::{Fitted, values};
 use crate::motion::{Motion, rest_threshold, resting};
 use crate::place::{Effect, Site};
 use crate::result::Veto;
-use phisindy_expr::Tape;
+use phisindy_expr::{Id, Tape};
 use phisindy_phys::spec::Role;
 use phisindy_phys::unit::Unit;
 use phisindy_phys::{LawRole, Record};
@@ -226,33 +226,29 @@ fn feeds_motion(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
     if !effect.entry.law.is_resistance() {
         return None;
     }
-    let coefficients = |a: &Applied| -> Vec<usize> {
-        let law = &a.effect.entry.law;
-        if law.has_memory() {
-            vec![]
-        } else {
-            law.linear_parameters().iter().map(|&k| a.parameters[k]).collect()
-        }
+    let forces = |own: bool| {
+        let some = fitted.model.effects.iter().filter(move |a| a.effect.same(effect) == own);
+        some.filter_map(|a| a.force)
     };
-    let (own, others): (Vec<&Applied>, Vec<&Applied>) =
-        fitted.model.effects.iter().partition(|a| a.effect.same(effect));
-    let others: Vec<usize> = others.into_iter().flat_map(coefficients).collect();
-    let all: Vec<usize> = own.into_iter().flat_map(coefficients).chain(others.iter().copied()).collect();
-    let feeds = |zero: &[usize]| Some(powers(fitted, effect, zero)?.iter().any(|power| *power > 0.0));
+    let others: Vec<Id> = forces(false).collect();
+    let all: Vec<Id> = forces(true).chain(forces(false)).collect();
+    let feeds = |without: &[Id]| Some(powers(fitted, effect, without)?.iter().any(|power| *power > 0.0));
     (feeds(&others)? && !feeds(&all)?).then_some(Veto::FeedsMotion)
 }
 
 /// The energy that the velocity-dependent part of a body's rate feeds into the motion, by quarters of the
 /// speed of an effect's place and at `FAR_ABOVE` times all speeds, along the measured motion of the first
-/// record, with these parameters at zero.
-fn powers(fitted: &Fitted, effect: &Effect, zero: &[usize]) -> Option<[f64; 5]> {
+/// record, without these forces.
+fn powers(fitted: &Fitted, effect: &Effect, without: &[Id]) -> Option<[f64; 5]> {
     let Site::Force { acts, velocity, .. } = &effect.place.site else { return None };
     let &(v, sign) = acts.first()?;
     let mut system = fitted.model.system.clone();
     let state = system.states[v].node;
     let signed = system.graph.constant(sign.signum());
     let step = system.graph.mul(signed, velocity.node);
-    let rate = system.known[v];
+    let nothing = system.graph.constant(0.0);
+    let gone: HashMap<Id, Id> = without.iter().map(|&force| (force, nothing)).collect();
+    let rate = system.graph.replace(&[system.known[v]], &gone)[0];
     // The power at `times` the speed of the place.
     let mut power_at = |times: f64| {
         let factor = system.graph.constant(times);
@@ -267,8 +263,7 @@ fn powers(fitted: &Fitted, effect: &Effect, zero: &[usize]) -> Option<[f64; 5]> 
     let outputs = [power_at(1.0), power_at(FAR_ABOVE), velocity.node];
     let tape = Tape::compile(&system.graph, &system.arguments(), &outputs).ok()?;
     let record = fitted.model.records.first()?;
-    let mut motion = Motion::new(&system, record, fitted.model.smooth.first()?, 0, &fitted.cal);
-    zero.iter().for_each(|k| motion.numbers[*k] = 0.0);
+    let motion = Motion::new(&system, record, fitted.model.smooth.first()?, 0, &fitted.cal);
     let values = evaluated(&tape, &motion, &[], &[]);
     let of = |i: usize| (values[2][i].abs(), values[0][i], values[1][i]);
     let mut samples: Vec<(f64, f64, f64)> = (0..motion.samples()).map(of).collect();
