@@ -59,10 +59,15 @@ fn draw(
 /// What is drawn may quote somebody else's file: its control bytes must not reach the terminal.
 struct Printable<'a>(&'a mut termcolor::Buffer);
 
+/// The text with a question mark in the place of each control byte that is no line end and no tab.
+pub(crate) fn printable(text: &[u8]) -> Vec<u8> {
+    let shown = |byte: &u8| if byte.is_ascii_control() && !b"\n\t".contains(byte) { b'?' } else { *byte };
+    text.iter().map(shown).collect()
+}
+
 impl Write for Printable<'_> {
     fn write(&mut self, text: &[u8]) -> io::Result<usize> {
-        let shown = |byte: &u8| if byte.is_ascii_control() && !b"\n\t".contains(byte) { b'?' } else { *byte };
-        self.0.write_all(&text.iter().map(shown).collect::<Vec<u8>>())?;
+        self.0.write_all(&printable(text))?;
         Ok(text.len())
     }
     fn flush(&mut self) -> io::Result<()> {

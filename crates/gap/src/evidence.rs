@@ -5,13 +5,13 @@ use crate::constraint::fulfilled;
 use crate::decisions::{EXPLAINED, FAR_ABOVE, GIVES_BACK, GIVES_WAY, SHORT_STOP, SLIPS};
 use crate::drive::{Drive, multiple_of_oscillation};
 use crate::evaluate::evaluated;
-use crate::model::{Fitted, values};
+use crate::model::{Applied, Fitted, values};
 use crate::motion::{Motion, rest_threshold, resting};
 use crate::place::{Effect, Site};
 use crate::result::Veto;
 use phisindy_expr::{Id, Tape};
+use phisindy_learn::FoundParameter;
 use phisindy_phys::spec::Role;
-use phisindy_phys::unit::Unit;
 use phisindy_phys::{LawRole, Record};
 use std::collections::HashMap;
 use std::f64::consts::TAU;
@@ -97,19 +97,30 @@ fn violates_requirement(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
 
 /// A parameter that ends at the upper bound of its law, where the data want to go beyond it, stands for a simpler law.
 fn parameter_at_bound(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
-    let law = &effect.entry.law;
-    let own = fitted.model.effects.iter().find(|a| a.effect.same(effect))?;
-    let ended = |&k: &usize| {
-        let (_, p) = &law.parameters[k];
-        let found = fitted.cal.parameters.iter().find(|f| f.id.constant() == Some(own.parameters[k]));
+    let applied = fitted.model.effects.iter().find(|a| a.effect.same(effect))?;
+    parameter_at_end(fitted, applied, |found| found.estimate.value >= found.bounds.1)
+}
+
+/// The first parameter of an effect that ended where `at_end` says, with the bound that is nearer.
+pub(crate) fn parameter_at_end(
+    fitted: &Fitted,
+    applied: &Applied,
+    at_end: impl Fn(&FoundParameter) -> bool,
+) -> Option<Veto> {
+    let mut law = applied.effect.entry.law.parameters.iter().zip(&applied.parameters);
+    law.find_map(|((name, p), &k)| {
         // What each record has of its own, a phase, may take any value; so may a number over its whole range.
-        !p.each && !p.whole && found.is_some_and(|f| f.estimate.value >= f.bounds.1)
-    };
-    let (name, p) = &law.parameters[(0..law.parameters.len()).find(ended)?];
-    // The law's file speaks of forces and lengths, the model perhaps of accelerations and angles.
-    let unit = effect.unit(&p.unit, &fitted.model.system);
-    let factor = Unit::parse(&unit).map_or(1.0, |u| u.factor);
-    Some(Veto::ParameterAtEnd { name: name.clone(), bound: p.within.1 / factor, unit })
+        let of = |f: &&FoundParameter| !p.each && !p.whole && f.id.constant() == Some(k);
+        let found = fitted.cal.parameters.iter().find(of).filter(|f| at_end(f))?;
+        let (low, high) = found.bounds;
+        let bound = if found.estimate.value - low < high - found.estimate.value { low } else { high };
+        // The law's file speaks of forces and lengths, the model perhaps of accelerations and angles.
+        Some(Veto::ParameterAtEnd {
+            name: name.clone(),
+            bound: bound / found.factor,
+            unit: found.unit.clone(),
+        })
+    })
 }
 
 /// An elastic contact that never slips acts as a spring about the position where the record begins: none of
@@ -226,12 +237,9 @@ fn feeds_motion(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
     if !effect.entry.law.is_resistance() {
         return None;
     }
-    let forces = |own: bool| {
-        let some = fitted.model.effects.iter().filter(move |a| a.effect.same(effect) == own);
-        some.filter_map(|a| a.force)
-    };
-    let others: Vec<Id> = forces(false).collect();
-    let all: Vec<Id> = forces(true).chain(forces(false)).collect();
+    let effects = &fitted.model.effects;
+    let others: Vec<Id> = effects.iter().filter(|a| !a.effect.same(effect)).filter_map(|a| a.force).collect();
+    let all: Vec<Id> = effects.iter().filter_map(|a| a.force).collect();
     let feeds = |without: &[Id]| Some(powers(fitted, effect, without)?.iter().any(|power| *power > 0.0));
     (feeds(&others)? && !feeds(&all)?).then_some(Veto::FeedsMotion)
 }

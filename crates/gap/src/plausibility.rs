@@ -3,7 +3,7 @@
 
 use crate::decisions::CANCELS;
 use crate::evaluate::evaluated;
-use crate::evidence::against;
+use crate::evidence::{against, parameter_at_end};
 use crate::model::{Applied, Fitted};
 use crate::motion::Motion;
 use crate::place::Site;
@@ -36,19 +36,8 @@ fn undetermined(last: &Fitted, applied: &Applied) -> Option<Veto> {
     let found = |k: usize| -> Option<&FoundParameter> {
         last.cal.parameters.iter().find(|p| p.id.constant() == Some(applied.parameters[k]))
     };
-    let at_end = (0..law.parameters.len()).find_map(|k| {
-        let may_end = |k: usize| !law.parameters[k].1.each && !law.parameters[k].1.whole;
-        let found = found(k).filter(|p| p.at_bound && may_end(k))?;
-        let (low, high) = found.bounds;
-        let bound = if found.estimate.value - low < high - found.estimate.value { low } else { high };
-        Some(Veto::ParameterAtEnd {
-            name: law.parameters[k].0.clone(),
-            bound: bound / found.factor,
-            unit: found.unit.clone(),
-        })
-    });
-    if at_end.is_some() {
-        return at_end;
+    if let Some(at_end) = parameter_at_end(last, applied, |found| found.at_bound) {
+        return Some(at_end);
     }
     // An interval from one bound to the other is what was known before. A coefficient for which a free
     // constant of the model can stand, as the viscous part of a friction law beside a free damper, is theirs

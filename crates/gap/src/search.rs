@@ -216,13 +216,7 @@ impl Search<'_> {
                 Target::AlongData,
             )?))
         });
-        let (tried, mut left_out) = after_fits(first.unwrap_or_default(), rounds.first());
-        // Beside other effects a law may have been fitted after all.
-        let fitted = rounds.iter().flat_map(|r| r.fitted.iter().map(|(at, ..)| &at.law));
-        let ids: HashSet<&String> =
-            fitted.chain(now.model.effects.iter().map(|a| &a.effect.entry.id)).collect();
-        left_out.retain(|law| !ids.contains(&law.law));
-        let tried = (tried, left_out);
+        let tried = after_fits(first.unwrap_or_default(), &rounds, &now);
         Ok(Searched { base, last: now, rounds, candidates, stop, needed: vec![], tried, force: None })
     }
 
@@ -818,11 +812,12 @@ fn screened(screening: &Screening) -> (Vec<Tried>, Vec<NotTried>) {
 
 /// What was tried in the first screening, with what its fits say, best first.
 fn after_fits(
-    (mut tried, left_out): (Vec<Tried>, Vec<NotTried>),
-    round: Option<&Round>,
+    (mut tried, mut left_out): (Vec<Tried>, Vec<NotTried>),
+    rounds: &[Round],
+    last: &Fitted,
 ) -> (Vec<Tried>, Vec<NotTried>) {
     for t in &mut tried {
-        let Some(round) = round else { break };
+        let Some(round) = rounds.first() else { break };
         let own = round.fitted.iter().filter(|(at, ..)| *at == t.at);
         if let Some((_, gap, score)) = own.max_by(|a, b| a.2.total_cmp(&b.2)) {
             (t.gap, t.score) = (Some(*gap), *score);
@@ -832,5 +827,10 @@ fn after_fits(
     weighed(&mut tried);
     let order = |t: &Tried| (t.gap.is_none(), t.vetoed.is_some());
     tried.sort_by(|a, b| order(a).cmp(&order(b)).then(b.score.total_cmp(&a.score)));
+    // Beside other effects a law may have been fitted after all.
+    let alone = rounds.iter().flat_map(|r| r.fitted.iter().map(|(at, ..)| &at.law));
+    let fitted: HashSet<&String> =
+        alone.chain(last.model.effects.iter().map(|a| &a.effect.entry.id)).collect();
+    left_out.retain(|law| !fitted.contains(&law.law));
     (tried, left_out)
 }

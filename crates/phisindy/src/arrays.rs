@@ -7,7 +7,8 @@ use crate::loaded::{Loaded, checked};
 use crate::record::{Data, Record, RecordError};
 use phisindy_phys::spec::{DataSpec, InputSpec};
 use phisindy_phys::{
-    self as phys, Diagnostic, Origin, RecordPlan, SourceId, Sources, Table, Units, splice, suspicions,
+    self as phys, Diagnostic, Origin, RecordPlan, SourceId, Sources, Table, Units, splice, splice::quoted,
+    suspicions,
 };
 use phisindy_sim::{Trajectory, synthesize};
 
@@ -121,15 +122,4 @@ fn synthetic(
     let no_file = |_: &InputSpec| Err("an input from a file is not read here".to_owned());
     synthesize(plan, truth, &case.system, seed, &no_file)
         .map_err(|error| Error::Synthetic { record: plan.name.clone(), error })
-}
-
-/// A text in the notation of specs.
-fn quoted(text: &str) -> String {
-    if !text.contains(['"', '\\']) {
-        return format!("\"{text}\"");
-    }
-    // One hash more than the longest run of them: nothing in the text can end it.
-    let longest = text.split(|c| c != '#').map(str::len).max().unwrap_or(0);
-    let hashes = "#".repeat(longest + 1);
-    format!("r{hashes}\"{text}\"{hashes}")
 }

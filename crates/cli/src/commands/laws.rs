@@ -38,7 +38,7 @@ pub(crate) fn laws(name: Option<&str>, options: &Options) -> Result<u8> {
         folder.write("README.md", gallery(&all))?;
     }
     let Some(name) = name else {
-        print(&list(&all))?;
+        show(&list(&all))?;
         return Ok(0);
     };
     let Some(law) = all.iter().find(|e| e.id == name) else {
@@ -50,9 +50,13 @@ pub(crate) fn laws(name: Option<&str>, options: &Options) -> Result<u8> {
         );
         return Err(anyhow!("there is no law `{name}`; {hint}"));
     };
-    // The file may be somebody else's.
-    print(&shown(law).replace(|c: char| c.is_control() && !"\n\t".contains(c), "?"))?;
+    show(&shown(law))?;
     Ok(0)
+}
+
+/// Prints what laws say: their files may be somebody else's.
+fn show(text: &str) -> Result<()> {
+    print(&String::from_utf8_lossy(&draw::printable(text.as_bytes())))
 }
 
 /// A law of the user's own, with a comment on every field.

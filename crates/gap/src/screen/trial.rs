@@ -110,7 +110,8 @@ impl<'a> ForceTrials<'a> {
                 let memory: Vec<Vec<Vec<f64>>> =
                     memory.iter_mut().map(|of| std::mem::take(&mut of[lane])).collect();
                 let columns = program.columns(effect, system, data, grid, &memory);
-                if columns.iter().flatten().all(|x| x.abs() < LARGEST) {
+                let small = |columns: &Vec<Vec<f64>>| columns.iter().flatten().all(|x| x.abs() < LARGEST);
+                if let Some(columns) = columns.filter(small) {
                     all.push(Trial { effect: (*effect).clone(), grid: grid.clone(), columns });
                 }
             }
@@ -194,7 +195,8 @@ impl Program {
     }
 
     /// The columns for one combination of grid values: the response to each regressor, and to the holding
-    /// force at rest. `memory` holds the internal states along each record.
+    /// force at rest. `memory` holds the internal states along each record. `None` where a force is a number at no
+    /// sample; where it is none now and then, it counts as zero.
     fn columns(
         &self,
         effect: &Effect,
@@ -202,8 +204,8 @@ impl Program {
         data: &[RegressionData],
         grid: &[f64],
         memory: &[Vec<Vec<f64>>],
-    ) -> Vec<Vec<f64>> {
-        let Site::Force { acts, shows, .. } = &effect.place.site else { return vec![] };
+    ) -> Option<Vec<Vec<f64>>> {
+        let Site::Force { acts, shows, .. } = &effect.place.site else { return None };
         let (n, width) = (system.states.len(), acts.len() + shows.len());
         let sticks = effect.entry.law.sticks();
         let mut columns: Vec<Vec<f64>> = vec![vec![]; self.count];
@@ -216,11 +218,10 @@ impl Program {
             let still = data.still.iter().find(|s| s.at == effect.place.at);
             let rests = |i: usize| sticks && still.is_some_and(|s| s.rests[i]);
             for (c, column) in columns.iter_mut().enumerate() {
-                let mut g = vec![0.0; samples * n];
-                // A force that is a number nowhere is no column; where it is none now and then, it counts as zero.
                 if (0..width).any(|j| values[c * width + j].iter().all(|f| !f.is_finite())) {
-                    column.push(f64::NAN);
+                    return None;
                 }
+                let mut g = vec![0.0; samples * n];
                 for (j, &(state, _)) in acts.iter().enumerate() {
                     let force = &values[c * width + j];
                     (0..samples)
@@ -247,7 +248,7 @@ impl Program {
         if rested {
             columns.push(holding);
         }
-        columns
+        Some(columns)
     }
 }
 

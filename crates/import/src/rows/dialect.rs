@@ -151,7 +151,9 @@ pub(crate) fn is_missing(text: &str) -> bool {
 
 /// Whether a field is a number beyond all others, which no sensor reads: `inf`, `-inf`, `1e999`.
 pub(crate) fn is_infinite(text: &str) -> bool {
-    text.replacen(',', ".", 1).parse::<f64>().is_ok_and(f64::is_infinite)
+    // Digits alone are finite up to 308 of them: nearly all fields need not be read.
+    let may_be = text.len() > 308 || text.contains(['e', 'E', 'i', 'I']);
+    may_be && text.replacen(',', ".", 1).parse::<f64>().is_ok_and(f64::is_infinite)
 }
 
 /// Whether a line is a second heading that holds only units: `s;mm;N` or `[s];[mm];[N]`.

@@ -1,14 +1,6 @@
 //! Strings and numbers in specs.
 
-/// A RON string without escapes, so that names appear in the spec unchanged.
-pub(crate) fn quoted(text: &str) -> String {
-    if !text.contains(['"', '\\']) {
-        return format!("\"{text}\"");
-    }
-    let longest = text.split('"').skip(1).map(|rest| rest.len() - rest.trim_start_matches('#').len()).max();
-    let marks = "#".repeat(longest.unwrap_or(0) + 1);
-    format!("r{marks}\"{text}\"{marks}")
-}
+pub(crate) use phisindy_phys::splice::quoted;
 
 /// Four significant digits, for comments.
 pub(super) fn four_digits(x: f64) -> String {

@@ -5,6 +5,7 @@ mod insert;
 
 use crate::text::raw::{Node, Shape, content, parse};
 pub use error::SetError;
+pub use insert::quoted;
 
 /// The text with the value at `path` replaced by `value`, or created there.
 ///

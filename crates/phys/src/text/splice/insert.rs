@@ -100,15 +100,20 @@ fn entry(map: bool, field: &str, parts: &[String], value: &str) -> Result<String
     Ok(if child_is_map { format!("{key}: {{ {inner} }}") } else { format!("{key}: ({inner})") })
 }
 
-/// The name as a RON text, raw only if it must be.
-fn quoted(name: &str) -> String {
-    if !name.contains(['"', '\\']) {
-        return format!("\"{name}\"");
+/// A text as a string of RON, raw only if it must be, so that names stand in the spec unchanged.
+///
+/// ```
+/// use phisindy_phys::splice::quoted;
+/// assert_eq!((quoted("x"), quoted("x \"a\"")), ("\"x\"".to_owned(), "r#\"x \"a\"\"#".to_owned()));
+/// ```
+pub fn quoted(text: &str) -> String {
+    if !text.contains(['"', '\\']) {
+        return format!("\"{text}\"");
     }
-    // One hash more than the longest run of them: nothing in the name can end the text.
-    let longest = name.split(|c| c != '#').map(str::len).max().unwrap_or(0);
+    // One hash more than the longest run of them: nothing in the text can end it.
+    let longest = text.split(|c| c != '#').map(str::len).max().unwrap_or(0);
     let hashes = "#".repeat(longest + 1);
-    format!("r{hashes}\"{name}\"{hashes}")
+    format!("r{hashes}\"{text}\"{hashes}")
 }
 
 fn identifier(name: &str) -> Result<String, SetError> {
