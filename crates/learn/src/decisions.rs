@@ -202,6 +202,22 @@ decisions! {
     /// Choices of terms by exchange of pairs that a selection on a chain looks at.
     CHAIN_PAIRS: usize = 100_000, "choices", Basis::Judgement("cost: a second of one core");
 
+    // Method trajectory: the force that is left.
+
+    /// Intensities of a random force that are compared first, as powers of ten of that which explains the whole
+    /// acceleration from sample to sample.
+    FORCE_DECADES: [i32; 9] = [-8, -7, -6, -5, -4, -3, -2, -1, 0], "power of ten", Basis::Derived("from a ten-thousandth of the force to all of it; the likelihood chooses");
+    /// A fit with a force ends when a round gains less than this.
+    FORCE_GAIN: f64 = 0.1, "twice the nats", Basis::Derived("far below any difference that decides");
+    /// Rounds of intensities, then numbers, at most.
+    FORCE_ROUNDS: usize = 12, "rounds", NUMERICS;
+    /// How far from their last values intensities and noises are looked for, in turn.
+    FORCE_SEARCH: [f64; 4] = [4.0, 2.0, 1.0, 0.5], "nats of the variance", NUMERICS;
+    /// A sensor shows at most so many digits of a motion.
+    SHARPEST_SENSOR: f64 = 1e-6, "part of the standard deviation", Basis::Convention("the dynamic range of the best converters, 120 dB");
+    /// Above so many states all forces share one intensity.
+    FORCE_GROUPED: usize = 12, "states", Basis::Judgement("cost: the filter multiplies matrices of that size for each force");
+
     // Method trajectory: noise and whiteness.
 
     /// The floor of the additive noise.

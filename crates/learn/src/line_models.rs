@@ -55,7 +55,7 @@ pub(crate) fn fitted_terms<'a>(
     let normal = problem.minimise(&mut x, &weights, Limits::new(50, 1e-12)).unwrap();
     let samples = records[0].readings();
     let effective = samples as f64;
-    Fit { problem, x, noise, weights, normal, samples, effective, excess: 1.0, pieces: vec![1] }
+    Fit { problem, x, noise, weights, normal, samples, effective, excess: 1.0, pieces: vec![1], force: None }
 }
 
 /// Uncorrelated numbers of +1 and -1.

@@ -275,6 +275,22 @@ impl Columns {
         }
     }
 
+    /// Writes the present values to their places in `out`, which has rows of `m` numbers.
+    pub(crate) fn read(&self, m: usize, out: &mut [f64]) {
+        for (i, row) in out.chunks_exact_mut(m).enumerate() {
+            row[self.first..][..self.count].copy_from_slice(self.row(i));
+        }
+    }
+
+    /// Takes the present values from their places in `from`.
+    pub(crate) fn set(&mut self, m: usize, from: &[f64]) {
+        for (i, row) in from.chunks_exact(m).enumerate() {
+            let own = &row[self.first..][..self.count];
+            self.s[i * self.width..][..self.count].copy_from_slice(own);
+            self.live[i] |= own.iter().any(|s| *s != 0.0);
+        }
+    }
+
     /// Writes the values at the fraction `theta` of the step to their places in `out`, which has rows of `m`
     /// numbers.
     pub(crate) fn write(&self, theta: f64, m: usize, out: &mut [f64]) {

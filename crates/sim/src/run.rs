@@ -3,6 +3,7 @@
 use crate::automaton::Automaton;
 use crate::decisions::{NEWTON_SHORTENING, SHORTEST_STEP, STEP_GROWTH, STEP_REDUCTION, STEP_REMAINDER};
 use crate::events::Search;
+use crate::observer::Observer;
 use crate::state::Run;
 use crate::step::Method;
 use crate::trajectory::{Drive, Options, SimError, Trajectory};
@@ -39,10 +40,54 @@ pub fn simulate(
     assert_eq!(drive.inputs.len(), automaton.inputs, "one signal for each input");
     assert_eq!(drive.parameters.len(), automaton.parameters, "one number for each parameter");
     assert!(t0.is_finite() && times.iter().all(|t| t.is_finite()), "finite times");
+    finished(Run::new(automaton, drive, t0, start, times, options))
+}
+
+/// As [`simulate`], with an observer that sees each sample and may correct the state there: steps end at the
+/// samples.
+///
+/// # Errors
+/// As [`simulate`].
+///
+/// # Panics
+/// As [`simulate`].
+///
+/// ```
+/// use phisindy_phys::Model;
+/// use phisindy_sim::{Automaton, Drive, Observer, Options, Shown, observe};
+/// /// Reads 1 at every sample, and believes half of it.
+/// struct Half;
+/// impl Observer for Half {
+///     fn correct(&mut self, _: usize, _: &Shown<'_>, x: &mut [f64], _: &mut [f64]) -> bool {
+///         x[0] += 0.5 * (1.0 - x[0]);
+///         true
+///     }
+/// }
+/// let model = Model::build(&["x"], &[], &[], &["0"]).unwrap();
+/// let automaton = Automaton::new(&model).unwrap();
+/// let drive = Drive { inputs: &[], parameters: &[] };
+/// let run = observe(&automaton, &drive, (0.0, &[0.0]), &[1.0, 2.0, 3.0], &Options::default(), &mut Half).unwrap();
+/// // A sample shows the state before it is corrected.
+/// assert_eq!(run.states, [0.0, 0.5, 0.75]);
+/// ```
+pub fn observe(
+    automaton: &Automaton,
+    drive: &Drive<'_>,
+    (t0, start): (f64, &[f64]),
+    times: &[f64],
+    options: &Options,
+    observer: &mut dyn Observer,
+) -> Result<Trajectory, SimError> {
     let mut run = Run::new(automaton, drive, t0, start, times, options);
+    run.observer = Some(observer);
+    finished(run)
+}
+
+/// Runs to the last sample.
+fn finished(mut run: Run<'_>) -> Result<Trajectory, SimError> {
     run.begin();
     run.sample_before_start();
-    while run.next < times.len() {
+    while run.next < run.times.len() {
         run.step()?;
     }
     run.out.evaluations = run.field.evaluations;
@@ -73,6 +118,7 @@ impl Run<'_> {
             self.sample_outputs(self.t, &x, &rates, back);
             self.out.modes.extend((0..self.field.switches()).map(|c| self.field.sign(c)));
             self.next += 1;
+            self.let_correct();
         }
     }
 
@@ -80,6 +126,7 @@ impl Run<'_> {
     /// in it.
     fn step(&mut self) -> Result<(), SimError> {
         let end = self.times[self.times.len() - 1];
+        let end = if self.observer.is_some() { self.times[self.next] } else { end };
         let target = self.breakpoints.last().map_or(end, |b| b.min(end));
         let tiny = SHORTEST_STEP * self.t.abs().max(end.abs()).max(self.span);
         self.step.start(self.t, &self.x, &self.rates);
@@ -97,6 +144,7 @@ impl Run<'_> {
                 h = target - self.t;
             }
             if self.attempt(h)? {
+                self.let_correct();
                 return Ok(());
             }
             self.out.rejected += 1;
@@ -238,6 +286,11 @@ impl Run<'_> {
             self.breakpoints.pop();
         }
         self.field.left_of = self.breakpoints.last().copied();
+        self.decide_again();
+    }
+
+    /// Goes on from a point to which the input or the state has jumped.
+    pub(crate) fn decide_again(&mut self) {
         let before = self.field.signs();
         self.field.reconsider(self.t, &self.x);
         self.record(&before);

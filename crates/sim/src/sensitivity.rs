@@ -42,10 +42,16 @@ pub(crate) struct Sensitivity {
 }
 
 impl Sensitivity {
-    /// By the start of the states, whose sizes that matter are `scale`, and by the parameters `free` of all
-    /// `parameters`.
-    pub(crate) fn new(scale: &[f64], tolerance: f64, parameters: usize, free: &[usize]) -> Self {
-        let (n, m) = (scale.len(), scale.len() + free.len());
+    /// By the start of the states, whose sizes that matter are `scale`, by the parameters `free` of all
+    /// `parameters`, and by `spare` numbers that only an observer knows.
+    pub(crate) fn new(
+        scale: &[f64],
+        tolerance: f64,
+        parameters: usize,
+        free: &[usize],
+        spare: usize,
+    ) -> Self {
+        let (n, m) = (scale.len(), scale.len() + free.len() + spare);
         Sensitivity {
             n,
             free: free.to_vec(),
@@ -146,6 +152,17 @@ impl Sensitivity {
         let work = |columns: &mut Columns| columns.advance_implicit(lines, |b, k| equations.solve(b, k));
         Self::for_all(&mut self.columns, work);
         self.fresh = false;
+    }
+
+    /// The present values, row-major states x columns.
+    pub(crate) fn read(&self, out: &mut [f64]) {
+        self.columns.iter().for_each(|columns| columns.read(self.m, out));
+    }
+
+    /// Goes on from other values.
+    pub(crate) fn set(&mut self, from: &[f64]) {
+        self.fresh = false;
+        self.columns.iter_mut().for_each(|columns| columns.set(self.m, from));
     }
 
     /// Prepares the interpolation within the last step.

@@ -3,6 +3,7 @@
 use crate::automaton::Automaton;
 use crate::decisions::{KNOTS_PER_STEP, SAMPLES_PER_STEP};
 use crate::field::Field;
+use crate::observer::Observer;
 use crate::sensitivity::Sensitivity;
 use crate::step::Step;
 use crate::stiffness::Watch;
@@ -66,6 +67,11 @@ pub(crate) struct Run<'a> {
     /// Number of events since a time, to detect chattering.
     pub(crate) chatter: (usize, f64),
     pub(crate) buffer: Vec<f64>,
+    /// What follows a record, and the samples that it has seen.
+    pub(crate) observer: Option<&'a mut dyn Observer>,
+    pub(crate) observed: usize,
+    /// Derivatives of the outputs of the last sample by the states, row-major.
+    pub(crate) by_state: Vec<f64>,
 }
 
 impl<'a> Run<'a> {
@@ -80,8 +86,9 @@ impl<'a> Run<'a> {
         let (n, c) = (start.len(), automaton.switches.len());
         let scale = if options.scale.is_empty() { vec![1.0; n] } else { options.scale.clone() };
         assert_eq!(scale.len(), n, "one scale for each state");
-        let derivatives =
-            |free: &Vec<usize>| Sensitivity::new(&scale, options.tolerance, automaton.parameters, free);
+        let derivatives = |free: &Vec<usize>| {
+            Sensitivity::new(&scale, options.tolerance, automaton.parameters, free, options.spare)
+        };
         let sensitivity = options.sensitivities.as_ref().map(derivatives);
         let m = sensitivity.as_ref().map_or(0, |s| s.m);
         let outputs = automaton.outputs;
@@ -123,6 +130,9 @@ impl<'a> Run<'a> {
             next: 0,
             chatter: (0, t0),
             buffer: vec![0.0; n + c],
+            observer: None,
+            observed: 0,
+            by_state: vec![],
         }
     }
 

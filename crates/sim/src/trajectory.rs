@@ -27,6 +27,8 @@ pub struct Options {
     pub reach: Vec<f64>,
     /// Indices of the parameters to differentiate by; `None` for no sensitivities.
     pub sensitivities: Option<Vec<usize>>,
+    /// Columns of the sensitivities behind those: numbers that no rate knows, but an [`crate::Observer`] does.
+    pub spare: usize,
     /// The run fails after this many steps.
     pub max_steps: usize,
     /// A state beyond this many times its reach has diverged.
@@ -42,6 +44,7 @@ impl Default for Options {
             scale: vec![],
             reach: vec![],
             sensitivities: None,
+            spare: 0,
             max_steps: DEFAULT_MAX_STEPS,
             diverged: DEFAULT_DIVERGED,
             stop: Stop::default(),

@@ -12,7 +12,7 @@ use crate::result::warning::Warning;
 use crate::trajectory::fit::Fit;
 use crate::trajectory::free_run::Solution;
 use crate::trajectory::problem::{Meaning, Noise, Problem};
-use crate::trajectory::tally::{inflation, tally};
+use crate::trajectory::tally::{inflation, tally, weighed};
 use crate::trajectory::validated_chain::ValidatedChain;
 use faer::Mat;
 use phisindy_phys::spec::Role;
@@ -91,12 +91,15 @@ fn compared(
     let fitted: usize = fit.problem.records.iter().map(|r| r.len()).sum();
     let pieces =
         if fit.most_pieces() == 1 { 1 } else { (fit.problem.segments.len() * record.len()).div_ceil(fitted) };
-    let problem = Problem::new(system, terms, &[record], &[pieces]).ok()?;
+    let mut problem = Problem::new(system, terms, &[record], &[pieces]).ok()?;
     let mut x = solution.guess(&problem, owner, filled);
     let start = problem.segments[0].start;
     x[start..start + run.start.len()].copy_from_slice(&run.start);
     let noise = vec![fit.noise.first()?.clone()];
-    let weights = problem.weights(&noise, problem.residuals(&x).ok().as_deref());
+    let weights = match &fit.force {
+        Some(force) => problem.follow(&x, &noise, &force.of_another())?.0,
+        None => problem.weights(&noise, problem.residuals(&x).ok().as_deref()),
+    };
     refitted(fit, cov, record, (problem, x), &noise, &weights)
 }
 
@@ -140,13 +143,17 @@ fn refitted(
         problem.bounds[k] = (x[k], x[k]);
     }
     let normal = problem.minimise(&mut x, weights, Limits::of(AGREEMENT_MINIMUM)).ok()?;
-    let told = tally(noise, &problem.residuals(&x).ok()?);
+    let residuals = problem.residuals(&x).ok()?;
+    let told =
+        if problem.following.is_some() { weighed(weights, &residuals) } else { tally(noise, &residuals) };
     let inflation = inflation(told.samples, told.effective);
     let curvature = Mat::from_fn(moving.len(), moving.len(), |i, j| normal.matrix[(moving[i], moving[j])]);
     let own =
         if moving.len() > DENSE { inverse_block(&curvature, compared)? } else { covariance(&curvature) };
+    // The covariance of a fit with forces knows the correlation.
+    let stretch = if fit.force.is_some() { 1.0 } else { fit.inflation() };
     let both = Mat::from_fn(compared, compared, |i, j| {
-        cov[(moving[i], moving[j])] * fit.inflation() + own[(i, j)] * inflation
+        cov[(moving[i], moving[j])] * stretch + own[(i, j)] * inflation
     });
     if (0..compared).any(|k| !both[(k, k)].is_finite()) {
         return None;

@@ -204,7 +204,10 @@ fn finished<'a>(
     let of_record = |r: usize| problem.segments.iter().filter(|s| s.record == r).count();
     let pieces = (0..setup.fitted.len()).map(of_record).collect();
     let noise = setup.noise.clone();
-    Ok((Fit { problem, x, noise, weights, normal, samples, effective, excess: 1.0, pieces }, power))
+    Ok((
+        Fit { problem, x, noise, weights, normal, samples, effective, excess: 1.0, pieces, force: None },
+        power,
+    ))
 }
 
 /// A fit over segments.

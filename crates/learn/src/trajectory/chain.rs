@@ -137,7 +137,7 @@ impl<'a> Context<'a> {
     }
 
     /// The noise of each column from its spectrum above the motion.
-    fn spectral_noise(&self, problem: &Problem<'_>) -> Noise {
+    pub(crate) fn spectral_noise(&self, problem: &Problem<'_>) -> Noise {
         let of = |r: usize, k: usize| {
             let floor = NOISE_FLOOR * problem.deviations[r][k];
             let level =

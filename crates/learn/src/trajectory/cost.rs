@@ -15,6 +15,8 @@ use std::ops::Range;
 
 /// Samples of a segment that one thread takes at a time.
 const PART: usize = 256;
+/// Samples of a part of the gradient.
+const STRETCH: usize = 4;
 
 /// The contribution of one segment to the normal equations: the unknowns that it depends on, and its normal
 /// equations in those (upper triangle).
@@ -223,6 +225,30 @@ impl Problem<'_> {
         self.gathered(x, weights, Rows { meat: true, inverse, ..Rows::ALL }).map(|n| n.matrix)
     }
 
+    /// The gradient in parts: for each segment those of its stretches of [`STRETCH`] samples, in all unknowns.
+    pub(crate) fn scores(
+        &self,
+        x: &[f64],
+        weights: &[Vec<Vec<f64>>],
+    ) -> Result<Vec<Vec<Vec<f64>>>, SimError> {
+        let of_segment = |segment: &Segment| -> Result<Vec<Vec<f64>>, SimError> {
+            let sampled = self.run(segment, x, true)?;
+            let (at, sensor_slots) = self.unknowns_of(segment);
+            let (first, last) = segment.samples;
+            let of = |from: usize| {
+                let part = from..(from + STRETCH).min(last);
+                let mut products = Products::new(at.len(), false);
+                let misses = self.misses(segment, x, weights, &sampled, (part.clone(), 1));
+                self.gather((segment, part, 1), x, weights, (&sampled, &sensor_slots), misses, &mut products);
+                let mut score = vec![0.0; self.unknowns];
+                at.iter().zip(products.finish().1).for_each(|(&k, g)| score[k] += g);
+                score
+            };
+            Ok((first..last).step_by(STRETCH).map(of).collect())
+        };
+        self.segments.par_iter().map(of_segment).collect()
+    }
+
     fn gathered(&self, x: &[f64], weights: &[Vec<Vec<f64>>], rows: Rows<'_>) -> Result<Normal, SimError> {
         let d = self.unknowns;
         let parts: Vec<Share> = self
@@ -251,7 +277,7 @@ impl Problem<'_> {
 
     /// The unknowns on which the run of a segment depends, and where the offset, gain and delay of each
     /// column stand among them.
-    fn unknowns_of(&self, segment: &Segment) -> (Vec<usize>, Vec<[usize; 3]>) {
+    pub(crate) fn unknowns_of(&self, segment: &Segment) -> (Vec<usize>, Vec<[usize; 3]>) {
         let (n, r) = (self.system.states.len(), segment.record);
         // Columns of the sensitivities: start states, then the unknown ones among the model's parameters.
         let mut at: Vec<usize> = (segment.start..segment.start + n).collect();

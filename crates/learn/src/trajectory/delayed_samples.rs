@@ -16,6 +16,13 @@ pub(crate) struct DelayedSamples {
     group: Vec<usize>,
 }
 
+/// A sample of a column.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Reading {
+    pub(crate) column: usize,
+    pub(crate) sample: usize,
+}
+
 impl DelayedSamples {
     /// Samples at `samples`, each state's column late by its delay. The states themselves are sampled with
     /// the delay of state `first`.
@@ -46,6 +53,24 @@ impl DelayedSamples {
     /// The first sample time of the states themselves.
     pub(crate) fn first(&self) -> f64 {
         self.at[0].first().map_or(0.0, |&i| self.times[i])
+    }
+
+    /// The readings that are due at each of the times, of the columns that are measured.
+    pub(crate) fn due(&self, measured: impl Fn(usize) -> bool) -> Vec<Vec<Reading>> {
+        let mut due = vec![vec![]; self.times.len()];
+        for column in (0..self.group.len()).filter(|&k| measured(k)) {
+            let of_column = self.at[self.group[column]].iter().enumerate();
+            of_column.for_each(|(sample, &at)| due[at].push(Reading { column, sample }));
+        }
+        due
+    }
+
+    /// Sorts a run that an observer followed, whose readings before each correction are `read`, by column.
+    pub(crate) fn followed(&self, run: Trajectory, read: Vec<Option<Delayed>>) -> SampledRun {
+        let SampledRun { run, end, late } = self.split(run);
+        let late = late.into_iter().chain(std::iter::repeat_with(|| None));
+        let late = read.into_iter().zip(late).map(|(read, late)| read.or(late)).collect();
+        SampledRun { run, end, late }
     }
 
     /// Adds a sample of the states at a time, or at the last sample time if that is later.
@@ -102,11 +127,13 @@ pub(crate) struct SampledRun {
     late: Vec<Option<Delayed>>,
 }
 
-struct Delayed {
+/// What a column shows at its own sample times.
+#[derive(Default)]
+pub(crate) struct Delayed {
     /// Value and rate at every sample.
-    values: Vec<(f64, f64)>,
+    pub(crate) values: Vec<(f64, f64)>,
     /// Derivatives, row-major samples x m.
-    sensitivities: Vec<f64>,
+    pub(crate) sensitivities: Vec<f64>,
 }
 
 impl SampledRun {

@@ -24,6 +24,11 @@ pub(crate) struct ErrorBars<'a> {
 impl<'a> ErrorBars<'a> {
     /// Of a fit at its minimum.
     pub(crate) fn new(fit: &'a Fit<'a>) -> ErrorBars<'a> {
+        if fit.force.is_some() {
+            let curvature = covariance(&fit.normal.matrix);
+            let sandwich = correlated_covariance(fit, &curvature);
+            return ErrorBars { fit, sandwich, curvature, inflation: 1.0 };
+        }
         let inflation = fit.inflation();
         let (sandwich, curvature) =
             of_numbers(fit).unwrap_or_else(|| (robust_covariance(fit), covariance(&fit.normal.matrix)));
@@ -110,11 +115,62 @@ fn of_numbers(fit: &Fit<'_>) -> Option<(Mat<f64>, Mat<f64>)> {
 pub(crate) fn robust_covariance(fit: &Fit<'_>) -> Mat<f64> {
     let bread = covariance(&fit.normal.matrix);
     let Ok(meat) = fit.problem.meat(&fit.x, &fit.weights, Some(&bread)) else { return bread };
+    between(&bread, &meat)
+}
+
+/// The sandwich of innovations that hang together: the meat is the long-run variance of the gradient's parts,
+/// by Bartlett's kernel (W. K. Newey and K. D. West, Econometrica 55 (1987) 703-708) over the lags of D. W. K.
+/// Andrews (Econometrica 59 (1991) 817-858).
+fn correlated_covariance(fit: &Fit<'_>, bread: &Mat<f64>) -> Mat<f64> {
+    let Ok(scores) = fit.problem.scores(&fit.x, &fit.weights) else { return bread.clone() };
+    let n = bread.nrows();
+    let mut meat = Mat::zeros(n, n);
+    for record in &scores {
+        let lags = lags(record);
+        // The kernel is a sum over windows: each holds `lags + 1` parts, those beyond the ends are nothing.
+        let length = record.len() + lags;
+        let mut window = vec![0.0; n];
+        for end in 0..length {
+            if let Some(part) = record.get(end) {
+                window.iter_mut().zip(part).for_each(|(w, s)| *w += s);
+            }
+            if let Some(part) = (end > lags).then(|| record.get(end - lags - 1)).flatten() {
+                window.iter_mut().zip(part).for_each(|(w, s)| *w -= s);
+            }
+            for i in 0..n {
+                (0..n).for_each(|j| meat[(i, j)] += window[i] * window[j] / (lags + 1) as f64);
+            }
+        }
+    }
+    between(bread, &meat)
+}
+
+/// Andrews' number of lags, for autoregressions of first order of the parts of a gradient.
+fn lags(scores: &[Vec<f64>]) -> usize {
+    let columns = scores.first().map_or(0, Vec::len);
+    let (mut numerator, mut denominator) = (0.0, 0.0);
+    for k in 0..columns {
+        let along = |lag: usize| -> f64 { scores.windows(lag + 1).map(|w| w[0][k] * w[lag][k]).sum() };
+        let power = along(0);
+        if power <= 0.0 {
+            continue;
+        }
+        let rho = (along(1) / power).clamp(-0.97, 0.97);
+        // Each column counts alike, whatever its unit.
+        numerator += 4.0 * rho * rho / ((1.0 - rho).powi(6) * (1.0 + rho).powi(2));
+        denominator += 1.0 / (1.0 - rho).powi(4);
+    }
+    let alpha = if denominator > 0.0 { numerator / denominator } else { 0.0 };
+    ((1.1447 * (alpha * scores.len() as f64).cbrt()) as usize).min(scores.len() / 2)
+}
+
+/// Bread, meat, bread, for what the data see.
+fn between(bread: &Mat<f64>, meat: &Mat<f64>) -> Mat<f64> {
     let n = bread.nrows();
     let seen: Vec<usize> = (0..n).filter(|&k| bread[(k, k)].is_finite()).collect();
     let pick = |m: &Mat<f64>| Mat::from_fn(seen.len(), seen.len(), |i, j| m[(seen[i], seen[j])]);
-    let small = pick(&bread);
-    let sandwich = &small * &pick(&meat) * &small;
+    let small = pick(bread);
+    let sandwich = &small * &pick(meat) * &small;
     let mut out = Mat::from_fn(n, n, |i, j| if i == j { f64::INFINITY } else { 0.0 });
     for (i, &a) in seen.iter().enumerate() {
         for (j, &b) in seen.iter().enumerate() {

@@ -12,7 +12,8 @@ use crate::decisions::{
 use crate::least_squares::{Limits, Normal};
 use crate::trajectory::noise::ColumnNoise;
 use crate::trajectory::problem::{Meaning, Noise, Problem};
-use crate::trajectory::tally::{Tally, inflation, tally, whitened};
+use crate::trajectory::random_force::RandomForce;
+use crate::trajectory::tally::{Tally, inflation, tally, whitened, whitened_by};
 use phisindy_phys::spec::SegmentsSpec;
 use phisindy_phys::{Record, System};
 use phisindy_signal::{noise_level, whiteness_p_value};
@@ -34,6 +35,8 @@ pub(crate) struct Fit<'a> {
     pub(crate) excess: f64,
     /// Segments of each record.
     pub(crate) pieces: Vec<usize>,
+    /// The forces that are left; `None` where free runs leave only noise.
+    pub(crate) force: Option<RandomForce>,
 }
 
 /// What all fits of a case share.
@@ -312,6 +315,7 @@ impl<'a> Context<'a> {
             effective: from.effective,
             excess: from.excess,
             pieces: from.pieces.clone(),
+            force: from.force.clone(),
         })
     }
 
@@ -320,6 +324,7 @@ impl<'a> Context<'a> {
         let mut problem = Problem::new(self.system, terms, &self.records, &like.pieces).ok()?;
         problem.continuity = like.problem.continuity.clone();
         problem.chained = like.problem.chained;
+        problem.following = like.problem.following.clone();
         problem.budget = Some(like.budget(1));
         Some(problem)
     }
@@ -343,11 +348,14 @@ impl<'a> Context<'a> {
             .map(|r| problem.segments.iter().filter(|s| s.record == r).count())
             .collect();
         let Settled { weights, normal, samples, effective, excess } = found;
-        Some(Fit { problem, x, noise, weights, normal, samples, effective, excess, pieces })
+        Some(Fit { problem, x, noise, weights, normal, samples, effective, excess, pieces, force: None })
     }
 
     /// A fit with its own noise estimate: after a selection it has that of the fit it started from.
     pub(crate) fn resettle(&self, mut fit: Fit<'a>) -> Fit<'a> {
+        if fit.force.is_some() {
+            return fit;
+        }
         let (mut x, mut noise) = (fit.x.clone(), fit.noise.clone());
         match settled(&mut fit.problem, &mut x, &mut noise, 3) {
             Some(Settled { weights, normal, samples, effective, excess }) => {
@@ -445,7 +453,10 @@ impl Fit<'_> {
     /// corrected for the number of columns.
     pub(crate) fn chance_of_noise(&self) -> f64 {
         let Ok(residuals) = self.problem.residuals(&self.x) else { return 0.0 };
-        let columns: Vec<f64> = whitened(&self.noise, &residuals).map(|w| whiteness_p_value(&w)).collect();
+        let columns: Vec<f64> = match self.force {
+            Some(_) => whitened_by(&self.weights, &residuals).map(|w| whiteness_p_value(&w)).collect(),
+            None => whitened(&self.noise, &residuals).map(|w| whiteness_p_value(&w)).collect(),
+        };
         columns.iter().fold(1.0, |least: f64, p| least.min(p * columns.len() as f64))
     }
 
@@ -474,6 +485,7 @@ impl Fit<'_> {
         let (own, records) = (&self.problem, records.iter().collect::<Vec<_>>());
         let mut other = Problem::new(own.system, &own.terms, &records, &self.pieces).ok()?;
         (other.continuity, other.belief) = (own.continuity.clone(), own.belief);
+        other.following = own.following.clone();
         other.normal(&self.x, &self.weights).ok()
     }
 

@@ -56,7 +56,7 @@ pub(crate) fn by_trajectory(
     let further = if auto { context.nearly_there(&fit) } else { None };
     let further = further.map(|(t, worse)| Warning::Further { term: TermId::new(system, t), worse });
     let stop_reason = if stopped { StopReason::Interrupted } else { StopReason::Finished };
-    let fit = context.resegmented(context.past_side_minima(context.with_starts_at_rest(fit)));
+    let fit = context.with_random_force(context.past_side_minima(context.with_starts_at_rest(fit)));
     let mut found = report(case, records, filled, &fit, path, stop_reason);
     found.warnings.extend(alternative.into_iter().chain(further));
     let singular = |&k: &usize| Warning::SingularCandidate { term: TermId::new(system, k) };

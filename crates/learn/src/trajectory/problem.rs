@@ -4,12 +4,14 @@
 use crate::decisions::{BASE_STEPS, DIVERGED_SIZE, NOISE_FLOOR, STEPS_PER_SAMPLE, TOLERANCE};
 use crate::result::error::ModelError;
 use crate::trajectory::delayed_samples::{DelayedSamples, SampledRun};
+use crate::trajectory::filter::Gains;
+use crate::trajectory::follower::Follower;
 use crate::trajectory::input_sensors::InputSensors;
 use crate::trajectory::layout::{DELAY, Layout, Segment, Source};
 use crate::trajectory::noise::ColumnNoise;
 use phisindy_phys::{Record, System};
 use phisindy_signal::{noise_level_at, standard_deviation};
-use phisindy_sim::{Automaton, Drive, Options, SimError, Stop, Trajectory, simulate};
+use phisindy_sim::{Automaton, Drive, Observer, Options, SimError, Stop, Trajectory, observe, simulate};
 use rayon::prelude::*;
 
 /// A least-squares problem for a choice of terms and records.
@@ -46,6 +48,8 @@ pub(crate) struct Problem<'a> {
     /// Whether the segments are a chain that stands for one run, or the run is what such a chain became:
     /// steps are damped by what the data say, not by the joints.
     pub(crate) chained: bool,
+    /// Gains by which the run of each record follows its readings; `None` for free runs.
+    pub(crate) following: Option<Vec<Gains>>,
     /// Steps that a simulation may take; `None` for a generous guess.
     pub(crate) budget: Option<usize>,
     /// Local error of the simulations, relative to the size of each state.
@@ -118,6 +122,7 @@ impl<'a> Problem<'a> {
             jump_noise,
             continuity: None,
             chained: false,
+            following: None,
             budget: None,
             tolerance: TOLERANCE,
             stop: Stop::default(),
@@ -199,6 +204,11 @@ impl<'a> Problem<'a> {
         }
     }
 
+    /// How many parameters of a record's run are unknown.
+    pub(crate) fn free_parameters(&self, record: usize) -> usize {
+        self.sources(record).filter(|s| matches!(s, Source::Unknown(_))).count()
+    }
+
     /// The numbers of the model's parameters in a record.
     pub(crate) fn model_parameters(&self, record: usize, x: &[f64]) -> Vec<f64> {
         self.model[record].iter().map(|&s| Self::value(s, x)).collect()
@@ -230,13 +240,29 @@ impl<'a> Problem<'a> {
         times: &[f64],
         options: &Options,
     ) -> Result<Trajectory, SimError> {
+        self.observed(record, x, start, times, options, None)
+    }
+
+    /// As [`Problem::simulated`], with an observer that may correct the run at its samples.
+    pub(crate) fn observed(
+        &self,
+        record: usize,
+        x: &[f64],
+        start: (f64, &[f64]),
+        times: &[f64],
+        options: &Options,
+        observer: Option<&mut dyn Observer>,
+    ) -> Result<Trajectory, SimError> {
         let mut parameters: Vec<f64> = self.sources(record).map(|s| Self::value(s, x)).collect();
         // The signals contain the delays already.
         let own = parameters.len() - 3 * self.input_sensors.inputs.len();
         parameters[own..].iter_mut().skip(DELAY).step_by(3).for_each(|delay| *delay = 0.0);
         let inputs = self.input_sensors.signals(self.records[record], record, &self.delays(record, x));
         let drive = Drive { inputs: &inputs, parameters: &parameters };
-        let run = simulate(&self.automaton, &drive, start.0, start.1, times, options)?;
+        let run = match observer {
+            Some(observer) => observe(&self.automaton, &drive, start, times, options, observer)?,
+            None => simulate(&self.automaton, &drive, start.0, start.1, times, options)?,
+        };
         self.readable(record, &run, times).map(|()| run)
     }
 
@@ -264,17 +290,17 @@ impl<'a> Problem<'a> {
         let start = &x[segment.start..segment.start + self.system.states.len()];
         let unknown = |(k, source): (usize, Source)| matches!(source, Source::Unknown(_)).then_some(k);
         let free = self.sources(segment.record).enumerate().filter_map(unknown).collect();
-        let options = Options {
-            tolerance: self.tolerance,
-            scale: self.scale.clone(),
-            reach: self.reach.clone(),
-            sensitivities: derivatives.then_some(free),
-            // A model that needs many more steps is wrong: fail early.
-            max_steps: self.budget.unwrap_or(BASE_STEPS + STEPS_PER_SAMPLE * (last - first)),
-            diverged: DIVERGED_SIZE,
-            stop: self.stop.clone(),
-        };
+        let options = self.options(segment, derivatives.then_some(free));
         let mut samples = self.delayed_samples(segment, x);
+        if let Some(gains) = &self.following {
+            let own = &gains[segment.record];
+            let mut follower = Follower::new(self, segment, x, own, &samples, derivatives);
+            let options = Options { spare: if derivatives { follower.spare } else { 0 }, ..options };
+            let begin = (record.time[first], start);
+            let run =
+                self.observed(segment.record, x, begin, &samples.times, &options, Some(&mut follower))?;
+            return Ok(samples.followed(run, follower.read));
+        }
         // One more sample, where the next segment takes over. (An early sensor can ask for later times than
         // that.)
         if self.next(segment).is_some() {
@@ -282,6 +308,22 @@ impl<'a> Problem<'a> {
         }
         self.simulated(segment.record, x, (record.time[first], start), &samples.times, &options)
             .map(|run| samples.split(run))
+    }
+
+    /// How a segment is simulated, with these derivatives.
+    pub(crate) fn options(&self, segment: &Segment, sensitivities: Option<Vec<usize>>) -> Options {
+        let samples = segment.samples.1 - segment.samples.0;
+        Options {
+            tolerance: self.tolerance,
+            scale: self.scale.clone(),
+            reach: self.reach.clone(),
+            sensitivities,
+            spare: 0,
+            // A model that needs many more steps is wrong: fail early.
+            max_steps: self.budget.unwrap_or(BASE_STEPS + STEPS_PER_SAMPLE * samples),
+            diverged: DIVERGED_SIZE,
+            stop: self.stop.clone(),
+        }
     }
 
     /// Whether any unknown has a prior.

@@ -86,6 +86,7 @@ mod tests {
             effective: 5000.0,
             excess: 1.0,
             pieces,
+            force: None,
         };
         let before = fit.x[0];
         let found = context.past_side_minima(fit);

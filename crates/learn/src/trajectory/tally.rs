@@ -14,8 +14,17 @@ pub(crate) struct Tally {
 }
 
 pub(crate) fn tally(noise: &Noise, residuals: &[Vec<ColumnResidual>]) -> Tally {
+    counted(whitened(noise, residuals))
+}
+
+/// As [`tally`], of residuals with the weights `1/variance`, by record, column and sample.
+pub(crate) fn weighed(weights: &[Vec<Vec<f64>>], residuals: &[Vec<ColumnResidual>]) -> Tally {
+    counted(whitened_by(weights, residuals))
+}
+
+fn counted(columns: impl Iterator<Item = Vec<f64>>) -> Tally {
     let mut tally = Tally { samples: 0, effective: 0.0, power: 0.0 };
-    for white in whitened(noise, residuals) {
+    for white in columns {
         tally.samples += white.len();
         tally.effective += effective_samples(&white);
         tally.power += white.iter().map(|e| e * e).sum::<f64>();
@@ -29,6 +38,19 @@ pub(crate) fn whitened(noise: &Noise, residuals: &[Vec<ColumnResidual>]) -> impl
         |(c, noise)| {
             let scaled = |(e, p): (&f64, &f64)| e / noise.variance(*p).sqrt();
             (!c.residual.is_empty()).then(|| c.residual.iter().zip(&c.prediction).map(scaled).collect())
+        },
+    )
+}
+
+/// As [`whitened`], by the weights of the samples.
+pub(crate) fn whitened_by(
+    weights: &[Vec<Vec<f64>>],
+    residuals: &[Vec<ColumnResidual>],
+) -> impl Iterator<Item = Vec<f64>> {
+    residuals.iter().zip(weights).flat_map(|(columns, weights)| columns.iter().zip(weights)).filter_map(
+        |(c, weights)| {
+            let scaled = |(e, w): (&f64, &f64)| e * w.sqrt();
+            (!c.residual.is_empty()).then(|| c.residual.iter().zip(weights).map(scaled).collect())
         },
     )
 }

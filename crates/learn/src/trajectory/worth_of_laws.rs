@@ -70,12 +70,21 @@ fn gain(without: &System, fit: &Fit<'_>) -> Option<(f64, usize)> {
         x[to.start..to.start + n].copy_from_slice(&fit.x[from.start..from.start + n]);
     }
     let all = of.states.len();
+    if let Some(force) = &fit.force {
+        let (weights, _) = problem.follow(&x, &fit.noise, force)?;
+        let alone = problem.minimise(&mut x, &weights, Limits::of(FINE_MINIMUM)).ok()?;
+        return Some((alone.cost - fit.normal.cost, numbers(meanings, &problem)));
+    }
     let shared = |w: &Vec<Vec<f64>>| w[..n].iter().chain(&w[all..]).cloned().collect();
     let weights: Vec<Vec<Vec<f64>>> = fit.weights.iter().map(shared).collect();
     let alone = problem.minimise(&mut x, &weights, Limits::of(FINE_MINIMUM)).ok()?;
+    Some((alone.cost - fit.normal.cost, numbers(meanings, &problem)))
+}
+
+/// How many numbers the laws have.
+fn numbers(with: Vec<Meaning>, without: &Problem<'_>) -> usize {
     let moved = |all: Vec<Meaning>| all.into_iter().filter(|m| matches!(m, Meaning::Parameter(..))).count();
-    let numbers = moved(meanings).saturating_sub(moved(problem.meanings()));
-    Some((alone.cost - fit.normal.cost, numbers))
+    moved(with).saturating_sub(moved(without.meanings()))
 }
 
 /// A record without the internal states of laws, which stand behind the other states.

@@ -1,0 +1,284 @@
+//! A model with a force that is left: its numbers, the intensity of the force and the noise of the sensors, all
+//! from one likelihood of prediction errors.
+//!
+//! The intensities and the noise are those of the largest likelihood along the derivatives of the last run,
+//! the numbers of the model minimise the prediction errors with the gains that follow, in turn. Where a free
+//! run leaves only noise there is no force, and nothing of this is asked.
+
+use crate::decisions::{
+    FINE_MINIMUM, FORCE_DECADES, FORCE_GAIN, FORCE_GROUPED, FORCE_ROUNDS, FORCE_SEARCH, ROUGH_MINIMUM,
+    SHARPEST_SENSOR,
+};
+use crate::least_squares::Limits;
+use crate::trajectory::filter::{Filter, Gains, Pass, driven};
+use crate::trajectory::fit::{Context, Fit, transfer};
+use crate::trajectory::kalman_smoother::reads_outputs;
+use crate::trajectory::noise::ColumnNoise;
+use crate::trajectory::problem::{Noise, Problem};
+use crate::trajectory::tally::{Tally, weighed};
+use phisindy_phys::spec::SegmentsSpec;
+use phisindy_phys::{Record, System};
+use phisindy_signal::{mean_step, noise_level_at, rounding_error, standard_deviation};
+use rayon::prelude::*;
+
+/// White forces on the rates of states.
+#[derive(Clone, Debug)]
+pub(crate) struct RandomForce {
+    /// States that share an intensity, each with its part of it.
+    pub(crate) groups: Vec<Vec<(usize, f64)>>,
+    /// For each record and group: the square of the unit of the rate, times seconds.
+    pub(crate) intensities: Vec<Vec<f64>>,
+}
+
+/// Weights of all samples: by record, column, sample.
+type Weights = Vec<Vec<Vec<f64>>>;
+
+impl RandomForce {
+    /// Of intensity zero. A large system has one intensity, in parts of the size of each rate.
+    fn none(system: &System, smooth: &[Record]) -> RandomForce {
+        let size = |b: usize| {
+            let of = |r: &Record| rms_slope(&r.time, r.columns.get(b)?.as_ref()?);
+            smooth.iter().filter_map(of).fold(0.0, f64::max)
+        };
+        let all: Vec<(usize, f64)> = driven(system).into_iter().map(|b| (b, size(b).powi(2))).collect();
+        let acts = all.into_iter().filter(|(_, size)| *size > 0.0);
+        let groups = if system.states.len() > FORCE_GROUPED {
+            vec![acts.collect()]
+        } else {
+            acts.map(|of| vec![of]).collect()
+        };
+        let intensities = vec![vec![0.0; groups.len()]; smooth.len()];
+        RandomForce { groups, intensities }
+    }
+}
+
+fn rms_slope(time: &[f64], column: &[f64]) -> Option<f64> {
+    let slopes = time.windows(2).zip(column.windows(2)).map(|(t, x)| ((x[1] - x[0]) / (t[1] - t[0])).powi(2));
+    let mean = slopes.sum::<f64>() / (time.len().max(2) - 1) as f64;
+    mean.is_finite().then(|| mean.sqrt())
+}
+
+impl Problem<'_> {
+    /// A pass of the filter along a record from its start at `x`, and the gains of it.
+    pub(crate) fn filtered(
+        &self,
+        record: usize,
+        x: &[f64],
+        noise: &Noise,
+        (groups, intensities): (&[Vec<(usize, f64)>], &[f64]),
+    ) -> Option<(Pass, Gains)> {
+        let segment = self.segments.iter().find(|s| s.record == record)?;
+        let samples = self.delayed_samples(segment, x);
+        let of = self.records[record];
+        let due = samples.due(|k| of.columns[k].is_some());
+        let variance = |column: usize, read: f64| noise[record][column].variance(read);
+        let place = (samples.times.clone(), due.clone());
+        let mut filter = Filter::new(self, record, x, place, (groups, intensities), &variance);
+        let start = (of.time[0], &x[segment.start..][..self.system.states.len()]);
+        let options = self.options(segment, Some(vec![]));
+        self.observed(record, x, start, &samples.times, &options, Some(&mut filter)).ok()?;
+        let pass = filter.pass;
+        let gains = pass.gains(&due, of.len());
+        Some((pass, gains)).filter(|(pass, _)| pass.unlikelihood.is_finite())
+    }
+
+    /// Lets the runs of all records follow their readings with these forces and noises. Returns the weights of
+    /// the innovations, and twice the negative logarithm of the likelihood.
+    pub(crate) fn follow(&mut self, x: &[f64], noise: &Noise, force: &RandomForce) -> Option<(Weights, f64)> {
+        let all: Vec<(Pass, Gains)> = (0..self.records.len())
+            .into_par_iter()
+            .map(|r| self.filtered(r, x, noise, (&force.groups, &force.intensities[r])))
+            .collect::<Option<_>>()?;
+        let unlikelihood = all.iter().map(|(pass, _)| pass.unlikelihood).sum();
+        let gains: Vec<Gains> = all.into_iter().map(|(_, gains)| gains).collect();
+        let inverse = |of: &Vec<f64>| of.iter().map(|v| 1.0 / v).collect();
+        let weights = gains.iter().map(|g| g.variance.iter().map(inverse).collect()).collect();
+        self.following = Some(gains);
+        Some((weights, unlikelihood))
+    }
+}
+
+/// The least noise that a column can have: the rounding of its last digit.
+fn least_noise(column: &[f64]) -> f64 {
+    rounding_error(column).max(SHARPEST_SENSOR * standard_deviation(column)).max(f64::MIN_POSITIVE)
+}
+
+impl RandomForce {
+    /// The force of one more record: as strong as in the mean of those that were fitted.
+    pub(crate) fn of_another(&self) -> RandomForce {
+        let count = self.intensities.len().max(1) as f64;
+        let mean = |g: usize| self.intensities.iter().map(|of| of[g]).sum::<f64>() / count;
+        RandomForce {
+            groups: self.groups.clone(),
+            intensities: vec![(0..self.groups.len()).map(mean).collect()],
+        }
+    }
+}
+
+impl<'a> Context<'a> {
+    /// The noise of each column by its spectrum above the motion.
+    fn noise_above_the_motion(&self, problem: &Problem<'_>) -> Noise {
+        let of = |(time, column): (&[f64], Option<&Vec<f64>>)| {
+            let level = column.map_or(f64::MIN_POSITIVE, |c| noise_level_at(time, c).max(least_noise(c)));
+            ColumnNoise { additive: level, relative: 0.0 }
+        };
+        let row = |r: &&Record| r.columns.iter().map(|c| of((&r.time, c.as_ref()))).collect();
+        problem.records.iter().map(row).collect()
+    }
+
+    /// The fit with a random force on its bodies, where it leaves more than noise and the force explains it.
+    pub(crate) fn with_random_force(&self, fit: Fit<'a>) -> Fit<'a> {
+        let single = fit.most_pieces() == 1;
+        let outputs = self.records.iter().any(|r| reads_outputs(self.system, r));
+        if self.segments != SegmentsSpec::Auto || outputs || fit.problem.chained || single && fit.is_white() {
+            return fit;
+        }
+        match self.forced(&fit) {
+            Some((forced, gain)) if !single || gain > (fit.samples as f64).ln() => forced,
+            _ => fit,
+        }
+    }
+
+    /// The same terms with random forces, and by how much twice the logarithm of the likelihood is above that
+    /// of single runs without.
+    fn forced(&self, fit: &Fit<'a>) -> Option<(Fit<'a>, f64)> {
+        let terms = &fit.problem.terms;
+        let n = self.system.states.len();
+        let mut problem =
+            Problem::new(self.system, terms, &self.records, &vec![1; self.records.len()]).ok()?;
+        problem.belief = fit.problem.belief;
+        let mut x = problem.guess(&fit.x[..terms.len()], None, &self.smooth);
+        transfer(&fit.problem, &fit.x, &problem, &mut x);
+        for segment in &problem.segments {
+            let first = fit.problem.segments.iter().find(|s| s.record == segment.record)?;
+            x[segment.start..][..n].copy_from_slice(&fit.x[first.start..][..n]);
+        }
+        let mut noise = self.noise_above_the_motion(&problem);
+        let mut force = RandomForce::none(self.system, &self.smooth);
+        if force.groups.is_empty() {
+            return None;
+        }
+        for r in 0..self.records.len() {
+            let step = mean_step(&self.records[r].time);
+            let of_decade = |decade: i32| {
+                let intensities = vec![step * 10f64.powi(decade); force.groups.len()];
+                let (pass, _) = problem.filtered(r, &x, &noise, (&force.groups, &intensities))?;
+                Some((pass.unlikelihood, intensities))
+            };
+            let all: Vec<_> = FORCE_DECADES.par_iter().map(|&decade| of_decade(decade)).collect();
+            let best = all.into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0))?;
+            force.intensities[r] = best.1;
+        }
+        let mut best: Option<(f64, Vec<f64>, Noise, RandomForce)> = None;
+        for round in 0..FORCE_ROUNDS {
+            self.likeliest(&problem, &x, &mut noise, &mut force)?;
+            problem.following = None;
+            let (weights, unlikelihood) = problem.follow(&x, &noise, &force)?;
+            let gained = best.as_ref().is_none_or(|(least, ..)| unlikelihood < least - FORCE_GAIN);
+            if best.as_ref().is_none_or(|(least, ..)| unlikelihood < *least) {
+                best = Some((unlikelihood, x.clone(), noise.clone(), force.clone()));
+            }
+            if !gained {
+                break;
+            }
+            let limits = if round < 2 { ROUGH_MINIMUM } else { FINE_MINIMUM };
+            problem.minimise(&mut x, &weights, Limits::of(limits)).ok()?;
+        }
+        let (unlikelihood, mut x, noise, force) = best?;
+        let (weights, _) = problem.follow(&x, &noise, &force)?;
+        let normal = problem.minimise(&mut x, &weights, Limits::of(FINE_MINIMUM)).ok()?;
+        let residuals = problem.residuals(&x).ok()?;
+        let Tally { samples, effective, .. } = weighed(&weights, &residuals);
+        let gain = self.unlikelihood_of(fit).map_or(f64::INFINITY, |free| free - unlikelihood);
+        let pieces = vec![1; self.records.len()];
+        let force = Some(force);
+        Some((
+            Fit { problem, x, noise, weights, normal, samples, effective, excess: 1.0, pieces, force },
+            gain,
+        ))
+    }
+
+    /// Twice the negative logarithm of the likelihood of a fit in single runs; `None` of one in segments.
+    fn unlikelihood_of(&self, fit: &Fit<'a>) -> Option<f64> {
+        if fit.most_pieces() > 1 {
+            return None;
+        }
+        let weights = fit.weights.iter().flatten().flatten();
+        Some(fit.normal.cost - weights.map(|w| w.ln()).sum::<f64>())
+    }
+
+    /// Moves the intensities and the noises to the largest likelihood along the derivatives at `x`.
+    fn likeliest(
+        &self,
+        problem: &Problem<'_>,
+        x: &[f64],
+        noise: &mut Noise,
+        force: &mut RandomForce,
+    ) -> Option<()> {
+        let of_record = |r: usize| {
+            let (pass, _) = problem.filtered(r, x, noise, (&force.groups, &force.intensities[r]))?;
+            let record = self.records[r];
+            let measured: Vec<usize> =
+                (0..record.columns.len()).filter(|&k| record.columns[k].is_some()).collect();
+            let groups = force.groups.len();
+            let mut at: Vec<f64> = force.intensities[r].iter().map(|q| q.ln()).collect();
+            at.extend(measured.iter().map(|_| 0.0));
+            // The likelihood has no bound where a sensor has no noise.
+            let floor = |k: usize| {
+                let least = record.columns[k].as_ref().map_or(0.0, |c| least_noise(c));
+                (least.powi(2) / noise[r][k].variance(problem.deviations[r][k])).ln().min(0.0)
+            };
+            let lowest: Vec<f64> =
+                (0..groups).map(|_| f64::NEG_INFINITY).chain(measured.iter().map(|&k| floor(k))).collect();
+            let value = |at: &[f64]| {
+                let q: Vec<f64> = at[..groups].iter().map(|v| v.exp()).collect();
+                let mut factors = vec![1.0; record.columns.len()];
+                measured.iter().zip(&at[groups..]).for_each(|(&k, v)| factors[k] = v.exp());
+                pass.unlikelihood_with(&q, &factors)
+            };
+            for reach in FORCE_SEARCH {
+                for k in 0..at.len() {
+                    let mut along = |v: f64| {
+                        let mut there = at.clone();
+                        there[k] = v;
+                        value(&there)
+                    };
+                    let low = (at[k] - reach).max(lowest[k]);
+                    at[k] = lowest_point(low, at[k] + reach, &mut along);
+                }
+            }
+            let intensities = at[..groups].iter().map(|v| v.exp()).collect::<Vec<f64>>();
+            let factors: Vec<(usize, f64)> =
+                measured.into_iter().zip(at[groups..].iter().map(|v| v.exp())).collect();
+            Some((intensities, factors))
+        };
+        let all: Vec<_> = (0..self.records.len()).into_par_iter().map(of_record).collect::<Option<_>>()?;
+        for (r, (intensities, factors)) in all.into_iter().enumerate() {
+            force.intensities[r] = intensities;
+            for (k, factor) in factors {
+                let of = &mut noise[r][k];
+                (of.additive, of.relative) = (of.additive * factor.sqrt(), of.relative * factor.sqrt());
+            }
+        }
+        Some(())
+    }
+}
+
+/// The lowest point of a function between two, by golden section to a hundredth of the logarithm.
+fn lowest_point(mut a: f64, mut b: f64, f: &mut impl FnMut(f64) -> f64) -> f64 {
+    let ratio = 0.5 * (5.0_f64.sqrt() - 1.0);
+    let (mut left, mut right) = (b - ratio * (b - a), a + ratio * (b - a));
+    let (mut low, mut high) = (f(left), f(right));
+    while b - a > 0.02 {
+        if low < high {
+            (b, right, high) = (right, left, low);
+            left = b - ratio * (b - a);
+            low = f(left);
+        } else {
+            (a, left, low) = (left, right, high);
+            right = a + ratio * (b - a);
+            high = f(right);
+        }
+    }
+    0.5 * (a + b)
+}
