@@ -213,7 +213,7 @@ fn outcome(set: &Set) -> Outcome {
 fn told(identified: &Identified) -> Vec<String> {
     let mut told = Vec::new();
     if identified.verdict != Verdict::Identified {
-        told.push("rejected".to_owned());
+        told.push(identified.verdict.word().to_owned());
     }
     let has = |doubt: fn(&Warning) -> bool| identified.warnings.iter().any(doubt);
     let doubts = [

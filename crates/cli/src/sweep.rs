@@ -24,7 +24,7 @@ use crate::progress::Progress;
 use anyhow::{Result, anyhow};
 use phisindy::Loaded;
 use phisindy::files::{Purpose, Refusal, load_text};
-use phisindy_learn::{LearnOptions, SweepRun, Truth, Verdict, bound, project, sweep_one};
+use phisindy_learn::{LearnOptions, SweepRun, Truth, bound, project, sweep_one};
 use phisindy_phys::{Case, Diagnostic, Origin, Sources};
 use phisindy_report::sweep::{Found, NamedTruth, Run, RunVerdict, TermName};
 use std::path::{Path, PathBuf};
@@ -252,9 +252,9 @@ impl Task {
 fn summary(run: SweepRun, bound: Vec<f64>) -> Run {
     let finite = |x: f64| x.is_finite().then_some(x);
     let verdict = match &run.outcome {
-        Ok(found) => match &found.verdict {
-            Verdict::Identified => RunVerdict::Identified,
-            Verdict::Rejected(why) => RunVerdict::Rejected(why.to_string()),
+        Ok(found) => match found.verdict.reason() {
+            None => RunVerdict::Identified,
+            Some(why) => RunVerdict::Doubted(format!("{}: {why}", found.verdict.word())),
         },
         Err(why) => RunVerdict::Failed(why.to_string()),
     };

@@ -5,9 +5,9 @@
 use crate::decisions::SIMPLER;
 use crate::model::{Fitted, Measure, TrialModel, current};
 use crate::result::CoarseInput;
-use phisindy_learn::Effort;
-use phisindy_phys::Record;
+use phisindy_learn::{Effort, predicted};
 use phisindy_phys::spec::Role;
+use phisindy_phys::{Record, System};
 use phisindy_signal::{Interpolation, Signal};
 use rayon::prelude::*;
 use std::cell::OnceCell;
@@ -114,11 +114,31 @@ impl<'a> Drawing<'a> {
                 Interpolation::Cubic => Interpolation::Linear,
             };
             let model = with_inputs(&self.base.settled(), other)?;
+            let with_its_numbers = moved(self.base, &model, self.noise)?;
             let redrawn = Fitted::new(model, self.noise, Effort::Thorough).ok()?;
-            Some(self.base.difference(&redrawn, self.noise))
+            // A fit that ends in another minimum moves the model too, and no drawing did that.
+            Some(self.base.difference(&redrawn, self.noise).min(with_its_numbers))
         };
         *self.open.get_or_init(moved)
     }
+}
+
+/// How much the runs of the Fit records move if the records are those of another model, the numbers being the same:
+/// the mean square in units of the noise.
+fn moved(base: &Fitted, other: &TrialModel, noise: &[Vec<f64>]) -> Option<f64> {
+    let (mut sum, mut count) = (0.0, 0usize);
+    let records = base.model.records.iter().zip(other.records.iter()).zip(&base.cal.records).zip(noise);
+    for (((own, other), fit), noise) in records.filter(|((_, fit), _)| fit.role == Role::Fit) {
+        let run = |system: &System, record: &Record| predicted(system, record, &fit.start, &[]).ok();
+        let settled = base.settled();
+        let (a, b) = (run(&settled.system, own)?, run(&settled.system, other)?);
+        let measured = own.columns.iter().zip(a.iter().zip(&b)).filter(|(column, _)| column.is_some());
+        for ((_, (a, b)), noise) in measured.zip(noise) {
+            sum += a.iter().zip(b).map(|(a, b)| ((a - b) / noise).powi(2)).sum::<f64>();
+            count += a.len();
+        }
+    }
+    Some(sum / count.max(1) as f64)
 }
 
 /// What a model leaves beyond the noise, on Fit or Validate records, whichever is more: the mean square in

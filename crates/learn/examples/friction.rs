@@ -62,7 +62,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             "identified: the free run misses the data by {:.3} of their spread",
             found.records[0].worst()
         ),
-        Verdict::Rejected(why) => println!("rejected: {why}"),
+        verdict => println!("{}: {}", verdict.word(), verdict.reason().unwrap_or_default()),
     }
     found.warnings.iter().for_each(|w| println!("warning: {w}"));
     Ok(())

@@ -168,6 +168,8 @@ decisions! {
     SIDE_ROUNDS: usize = 5, "rounds", Basis::Judgement("each takes the lowest of all; the second mostly finds none");
     /// Where it looks for one: so many half-widths of a coefficient's interval away.
     SIDE_REACH: [f64; 4] = [-10.0, -1.0, 1.0, 10.0], "half-widths", Basis::SetOn("case 2b by an accelerometer: an event that is one sample off moves a coefficient by up to 18 standard errors");
+    /// A coefficient of which this part is not known may lie in a side minimum.
+    BLURRED: f64 = 0.1, "part of the coefficient", Basis::Judgement("its interval reaches over two fifths of it, and a cost with events bends within that");
     /// Iterations and gain of a minimisation at the end of a fit.
     FINE_MINIMUM: [f64; 2] = [20.0, 1e-7], "iterations, part of the cost", NUMERICS;
     /// Iterations and gain of a trial that is only compared.
@@ -217,6 +219,13 @@ decisions! {
     SHARPEST_SENSOR: f64 = 1e-6, "part of the standard deviation", Basis::Convention("the dynamic range of the best converters, 120 dB");
     /// Above so many states all forces share one intensity.
     FORCE_GROUPED: usize = 12, "states", Basis::Judgement("cost: the filter multiplies matrices of that size for each force");
+
+    /// Stretches of a record of which the one with the strongest force is told.
+    REMAINDER_STRETCHES: usize = 20, "stretches", Basis::Judgement("a twentieth of a record is a place that one can look at");
+    /// A force that is left and follows the motion with more than this part of the whole rate is a law.
+    LAW_MISSING: f64 = 0.1, "part of the rate", Basis::Judgement("a tenth of the force is more than laws of friction differ by from rig to rig");
+    /// Records whose numbers are further apart than this are not of one machine.
+    OTHER_MACHINE: f64 = 0.1, "part of the number", Basis::Judgement("friction of one joint repeats to some per cent from run to run");
 
     // Method trajectory: noise and whiteness.
 

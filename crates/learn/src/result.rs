@@ -9,6 +9,7 @@ pub(crate) mod passivity;
 pub(crate) mod passivity_violation;
 pub(crate) mod quantity;
 pub(crate) mod record_fit;
+pub(crate) mod remainder;
 pub(crate) mod requirements;
 pub(crate) mod term;
 pub(crate) mod unknown_part;

@@ -92,6 +92,11 @@ fn free_run(system: &System, record: &phys::Record) -> Result<Vec<Vec<f64>>, Sim
     let mut filled = record.clone();
     // A state that cannot be derived is asked for below, unless the spec states where it starts.
     let _ = filled.fill_velocities(system, Differentiator::default());
+    for (k, state) in system.states.iter().enumerate() {
+        let derived = state.velocity.filter(|&v| record.columns[v].is_none());
+        let column = derived.and_then(|v| filled.columns[v].as_mut());
+        column.into_iter().flatten().for_each(|v| *v /= record.sensors[k].gain.start);
+    }
     let told = phisindy_learn::smoothed(system, record).columns;
     for (column, told) in filled.columns[..system.states.len()].iter_mut().zip(told) {
         if column.is_none() {

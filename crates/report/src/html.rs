@@ -7,7 +7,7 @@
 
 mod correlation;
 mod force;
-mod friction;
+pub(crate) mod friction;
 mod gap;
 mod hero;
 mod leaderboard;

@@ -10,7 +10,7 @@ use crate::{draw, interrupt};
 use anyhow::Result;
 use phisindy::Loaded;
 use phisindy::files::Purpose;
-use phisindy_learn::{Identified, LearnError, LearnOptions, Verdict, identify};
+use phisindy_learn::{Identified, LearnError, LearnOptions, identify};
 use phisindy_phys::{Diagnostic, Sources};
 use phisindy_report::spec_text::COMPLETED;
 use phisindy_report::{Ending, Folder, RunReport};
@@ -91,8 +91,8 @@ fn run_one(spec: &Path, folder: Option<&OutDir>, options: &Options, follows: boo
     }
     Ok(match (found.interrupted(), &found.verdict) {
         (true, _) => interrupt::code(),
-        (false, Verdict::Identified) => 0,
-        (false, Verdict::Rejected(_)) => REJECTED,
+        (false, verdict) if verdict.holds() => 0,
+        (false, _) => REJECTED,
     })
 }
 

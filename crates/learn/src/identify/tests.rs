@@ -56,6 +56,7 @@ fn said(terms: Vec<FoundTerm>, records: Vec<RecordFit>) -> Identified {
         parameters: vec![],
         records,
         noise_model: NoiseModel::Unweighted,
+        remainder: vec![],
         selection: vec![],
         covariance: vec![],
         warnings: vec![],
@@ -120,7 +121,7 @@ fn what_makes_a_verdict() {
     };
     let rejected = |v: Verdict, why: &str| match v {
         Verdict::Rejected(text) => assert!(text.to_string().contains(why), "{text}"),
-        Verdict::Identified => panic!("not rejected: {why}"),
+        other => panic!("{other:?}, not rejected: {why}"),
     };
     assert_eq!(of(&one, &[0.1, 0.5], &[0.4, 0.4]), Verdict::Identified);
     assert_eq!(of(&one, &[0.4, 0.4], &[2.4, 0.1]), Verdict::Identified);

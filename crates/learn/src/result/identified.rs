@@ -2,6 +2,7 @@
 
 use super::parameter::{FoundParameter, parameter_values};
 use super::record_fit::RecordFit;
+use super::remainder::Remainder;
 use super::term::FoundTerm;
 use super::verdict::Verdict;
 use super::warning::Warning;
@@ -56,6 +57,8 @@ pub struct Identified {
     pub records: Vec<RecordFit>,
     /// The form of the noise that the columns were found to have.
     pub noise_model: NoiseModel,
+    /// The forces that are left beside the model; empty where free runs leave noise alone.
+    pub remainder: Vec<Remainder>,
     /// The path of the selection.
     pub selection: Vec<PathPoint>,
     /// Covariance (SI) of the coefficients of `terms`, then of `parameters`, in their order; empty where the

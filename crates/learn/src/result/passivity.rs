@@ -25,7 +25,7 @@ use std::collections::HashMap;
 /// Adds a warning for each passive law that feeds the motion, and rejects a model in which one was fitted so.
 pub(crate) fn passivity(system: &System, records: &[Record], found: &mut Identified) {
     let Some(all) = Forces::new(system, records, found).map(|forces| forces.feeding()) else { return };
-    if found.verdict == Verdict::Identified
+    if found.verdict.holds()
         && let Some(first) = all.iter().find(|f| f.is_fitted())
     {
         found.verdict = Verdict::Rejected(Rejection::Feeds(first.clone()));

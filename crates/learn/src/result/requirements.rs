@@ -12,7 +12,7 @@ use phisindy_phys::{Case, Requirement};
 pub(crate) fn requirements(case: &Case, found: &mut Identified) {
     let broken: Vec<Unfulfilled> =
         case.requirements.iter().filter_map(|required| unfulfilled(case, required, found)).collect();
-    if found.verdict == Verdict::Identified
+    if found.verdict.holds()
         && let Some(first) = broken.iter().find(|b| b.certain)
     {
         found.verdict = Verdict::Rejected(Rejection::Unfulfilled(first.clone()));

@@ -2,7 +2,7 @@
 
 use super::error::ModelError;
 use super::passivity_violation::PassivityViolation;
-use super::quantity::ParameterId;
+use super::quantity::{ParameterId, Quantity};
 use super::record_fit::RecordFit;
 use super::term::FoundTerm;
 use crate::decisions::{COMPLETE, WORST_NRMSE};
@@ -11,10 +11,61 @@ use phisindy_phys::System;
 /// Whether to believe a result.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Verdict {
-    /// The model predicts the records.
+    /// The model predicts the records: what it leaves is noise.
     Identified,
-    /// It does not.
+    /// What was identified holds, and a force is left beside it.
+    Named,
+    /// It fits, and says nothing of these numbers: their intervals hold zero, or reach from bound to bound.
+    Undetermined(Vec<Quantity>),
+    /// The records are not of one machine.
+    Contradictory(Contradiction),
+    /// It does not predict them.
     Rejected(Rejection),
+}
+
+impl Verdict {
+    /// Whether what was identified may be used.
+    pub fn holds(&self) -> bool {
+        matches!(self, Verdict::Identified | Verdict::Named)
+    }
+
+    /// The word of the result.
+    pub fn word(&self) -> &'static str {
+        match self {
+            Verdict::Identified => "identified",
+            Verdict::Named => "named",
+            Verdict::Undetermined(_) => "undetermined",
+            Verdict::Contradictory(_) => "contradictory",
+            Verdict::Rejected(_) => "rejected",
+        }
+    }
+
+    /// Why it is no better, in a sentence; `None` where it is identified.
+    pub fn reason(&self) -> Option<String> {
+        match self {
+            Verdict::Identified => None,
+            Verdict::Named => Some("a force is left beside what was identified".to_owned()),
+            Verdict::Undetermined(numbers) => {
+                let names: Vec<String> = numbers.iter().map(ToString::to_string).collect();
+                Some(format!("the records do not determine {}", names.join(", ")))
+            }
+            Verdict::Contradictory(why) => Some(why.to_string()),
+            Verdict::Rejected(why) => Some(why.to_string()),
+        }
+    }
+}
+
+/// Two records that ask for different numbers of one machine. `Display` gives the sentence.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Contradiction {
+    /// Which number.
+    pub number: Quantity,
+    /// Names of the two records.
+    pub records: [String; 2],
+    /// What each of them alone asks for, in the unit of the spec.
+    pub values: [f64; 2],
+    /// How far apart these are, in standard errors of their difference.
+    pub errors: f64,
 }
 
 /// A law whose constants do not fulfil what its file asks for.
@@ -75,6 +126,15 @@ pub enum Rejection {
     Unfulfilled(Unfulfilled),
     /// A passive law was fitted so that it feeds the motion.
     Feeds(PassivityViolation),
+    /// The force that is left follows the motion: a law is missing.
+    LawMissing {
+        /// Name of the record.
+        record: String,
+        /// Name of the state on whose rate the force acts.
+        state: String,
+        /// What part of the rate's size the motion accounts for.
+        share: f64,
+    },
     /// The model does no better with the identified part than without it.
     NoBetter,
     /// The known part alone leaves nothing but noise, and laws that were asked for follow the noise.

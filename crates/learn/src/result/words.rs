@@ -4,7 +4,7 @@ use super::error::{DataError, LearnError, ModelError, NumericsError, TruthError}
 use super::identified::NoiseModel;
 use super::passivity_violation::PassivityViolation;
 use super::quantity::{ParameterId, ParameterOf, Quantity, TermId};
-use super::verdict::{FitFailure, Rejection, Unfulfilled};
+use super::verdict::{Contradiction, FitFailure, Rejection, Unfulfilled};
 use super::warning::Warning;
 use crate::decisions::{FEWEST_SAMPLES, RIVAL};
 use crate::result::warning::{Bias, Chaos};
@@ -41,6 +41,16 @@ impl Display for Quantity {
             Quantity::Coefficient(term) => write!(f, "{term}"),
             Quantity::Parameter(id) => write!(f, "{id}"),
         }
+    }
+}
+
+impl Display for Contradiction {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        let Contradiction { number, records: [a, b], values: [of_a, of_b], errors } = self;
+        write!(
+            f,
+            "the records contradict each other: {number} is {of_a:.4} from {a} alone and {of_b:.4} from {b} alone, {errors:.0} standard errors apart; are they of one machine?"
+        )
     }
 }
 
@@ -207,6 +217,11 @@ impl Display for Rejection {
             }
             Rejection::Unfulfilled(law) => write!(f, "{law}"),
             Rejection::Feeds(feeding) => write!(f, "{feeding}"),
+            Rejection::LawMissing { record, state, share } => write!(
+                f,
+                "the force that is left on {state} in {record} follows the motion, with {:.0} % of the size of its rate: a law is missing",
+                100.0 * share
+            ),
             Rejection::NoBetter => {
                 f.write_str("the model does no better with the identified part than without it")
             }

@@ -66,6 +66,7 @@ pub(crate) fn by_steps(
         parameters,
         records: fits,
         noise_model: NoiseModel::Unweighted,
+        remainder: vec![],
         selection,
         covariance,
         warnings,

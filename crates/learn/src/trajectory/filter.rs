@@ -41,6 +41,10 @@ struct Interval {
     /// For each group of forces, the covariance of what a unit of its intensity does, row-major.
     forces: Vec<Vec<f64>>,
     readings: Vec<Innovation>,
+    /// The time, the states as predicted, and their rates.
+    time: f64,
+    states: Vec<f64>,
+    rates: Vec<f64>,
 }
 
 /// A reading as the filter has seen it.
@@ -155,7 +159,8 @@ impl Observer for Filter<'_> {
             add_outer(&mut self.covariance, &gain, &innovation, -1.0);
             readings.push(Innovation { column, slopes, miss, noise, gain, variance });
         }
-        self.pass.intervals.push(Interval { phi, forces, readings });
+        let (time, rates) = (self.times[sample], shown.rates[..n].to_vec());
+        self.pass.intervals.push(Interval { phi, forces, readings, time, states: shown_x, rates });
         true
     }
 }
@@ -194,7 +199,7 @@ impl Pass {
         let (mut p, mut shift) = (vec![0.0; n * n], vec![0.0; n]);
         let (mut buffer, mut along) = (vec![0.0; n * n], vec![0.0; n]);
         let mut sum = 0.0;
-        for Interval { phi, forces, readings } in &self.intervals {
+        for Interval { phi, forces, readings, .. } in &self.intervals {
             advance(phi, &mut p, &mut buffer, n);
             for (q, intensity) in forces.iter().zip(intensities).filter(|(_, i)| **i > 0.0) {
                 p.iter_mut().zip(q).for_each(|(p, q)| *p += intensity * q);
@@ -216,8 +221,13 @@ impl Pass {
         sum
     }
 
-    /// The smoothed force of each group at each interval (A. E. Bryson and M. Frazier, 1963): its mean over the
-    /// interval, in units of the states that it drives, with `intensities` as in the pass.
+    /// Times, a state as predicted, and its rate at each reading.
+    pub(crate) fn along(&self, state: usize) -> impl Iterator<Item = (f64, f64, f64)> {
+        self.intervals.iter().map(move |i| (i.time, i.states[state], i.rates[state]))
+    }
+
+    /// The smoothed force on each state before each reading, in the unit of its rate, with `intensities` as in the
+    /// pass (A. E. Bryson and M. Frazier, Proc. Optimum System Synthesis Conference, 1963).
     pub(crate) fn smoothed_forces(&self, groups: &[Vec<(usize, f64)>], intensities: &[f64]) -> Vec<Vec<f64>> {
         let n = self.n;
         let mut lambda = vec![0.0; n];

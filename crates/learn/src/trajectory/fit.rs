@@ -13,7 +13,7 @@ use crate::least_squares::{Limits, Normal};
 use crate::trajectory::noise::ColumnNoise;
 use crate::trajectory::problem::{Meaning, Noise, Problem};
 use crate::trajectory::random_force::RandomForce;
-use crate::trajectory::tally::{Tally, inflation, tally, whitened, whitened_by};
+use crate::trajectory::tally::{Tally, inflation, tally, weighed, whitened, whitened_by};
 use phisindy_phys::spec::SegmentsSpec;
 use phisindy_phys::{Record, System};
 use phisindy_signal::{noise_level, whiteness_p_value};
@@ -395,6 +395,42 @@ pub(crate) fn misfit(problem: &Problem<'_>, x: &[f64]) -> Option<f64> {
         }
     }
     Some((sum / count.max(1) as f64).sqrt())
+}
+
+/// The fit of one record of a fit from these unknowns, with a noise of its own; a force is as strong as it was.
+pub(crate) fn settled_alone<'a>(
+    mut problem: Problem<'a>,
+    mut x: Vec<f64>,
+    (record, of): (usize, &Fit<'_>),
+) -> Option<Fit<'a>> {
+    let mut noise = vec![of.noise[record].clone()];
+    let pieces = vec![problem.segments.len()];
+    // What is a force beside the numbers of other records may be none beside its own.
+    let mut free = x.clone();
+    let alone = settled(&mut problem, &mut free, &mut noise, 3);
+    let white = |s: &Settled| s.effective > WHITE_PART * s.samples as f64 || s.excess < WHITE_EXCESS;
+    if let Some(force) = of.force.as_ref().filter(|_| !alone.as_ref().is_some_and(white)) {
+        let noise = vec![of.noise[record].clone()];
+        let force = RandomForce { intensities: vec![force.intensities[record].clone()], ..force.clone() };
+        let (weights, _) = problem.follow(&x, &noise, &force)?;
+        let normal = problem.minimise(&mut x, &weights, Limits::of(FINE_MINIMUM)).ok()?;
+        let Tally { samples, effective, .. } = weighed(&weights, &problem.residuals(&x).ok()?);
+        let force = Some(force);
+        return Some(Fit {
+            problem,
+            x,
+            noise,
+            weights,
+            normal,
+            samples,
+            effective,
+            excess: 1.0,
+            pieces,
+            force,
+        });
+    }
+    let (Settled { weights, normal, samples, effective, excess }, x) = (alone?, free);
+    Some(Fit { problem, x, noise, weights, normal, samples, effective, excess, pieces, force: None })
 }
 
 /// What [`settled`] returns beside the unknowns and the noise.

@@ -34,8 +34,9 @@ pub fn smoothed(system: &System, record: &Record) -> Record {
     out
 }
 
-/// The record with every column smoothed, and columns for velocities that have none. States that only outputs
-/// tell stay without: fits start them at rest.
+/// The record with every column smoothed, and columns for velocities that have none. Those of states say what the
+/// state is and not what its sensor reads, as far as offset and gain are known. States that only outputs tell stay
+/// without: fits start them at rest.
 pub fn differentiated(system: &System, record: &Record) -> Record {
     let derived = record
         .columns
@@ -44,10 +45,14 @@ pub fn differentiated(system: &System, record: &Record) -> Record {
     let derived: Vec<_> = derived.collect();
     let mut out = record.clone();
     for (k, d) in derived.into_iter().enumerate().filter_map(|(k, d)| Some((k, d?))) {
-        out.columns[k] = Some(d.values);
-        let state = system.states.get(k);
-        if let Some(v) = state.and_then(|s| s.velocity).filter(|&v| record.columns[v].is_none()) {
-            out.columns[v] = Some(d.derivative);
+        let Some(state) = system.states.get(k) else {
+            out.columns[k] = Some(d.values);
+            continue;
+        };
+        let (offset, gain) = (record.sensors[k].offset.start, record.sensors[k].gain.start);
+        out.columns[k] = Some(d.values.iter().map(|x| (x - offset) / gain).collect());
+        if let Some(v) = state.velocity.filter(|&v| record.columns[v].is_none()) {
+            out.columns[v] = Some(d.derivative.iter().map(|x| x / gain).collect());
         }
     }
     out

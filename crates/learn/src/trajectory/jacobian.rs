@@ -1,7 +1,6 @@
 //! The slopes of the rates of a model by its states.
 
 use crate::trajectory::problem::Problem;
-use faer::Mat;
 use phisindy_expr::{Graph, Id, Node, Scratch, Tape};
 use phisindy_phys::{Model, Record};
 
@@ -69,25 +68,6 @@ impl Jacobian {
             }
         }
         None
-    }
-
-    /// Their mean along the columns of a record, which holds samples of every state; samples at which one of
-    /// them is not finite do not count.
-    pub(crate) fn mean(&self, record: &Record, numbers: &[f64]) -> Option<Mat<f64>> {
-        let n = self.model.states.len();
-        let columns: Vec<&Vec<f64>> =
-            record.columns[..n].iter().map(Option::as_ref).collect::<Option<_>>()?;
-        let mut scratch = Scratch::<1>::new(&self.tape);
-        let (mut sum, mut count) = (vec![0.0; n * n], 0.0);
-        for i in 0..record.len() {
-            let states: Vec<f64> = columns.iter().map(|c| c[i]).collect();
-            scratch.at(arguments_at(record, i, &states, numbers));
-            if (0..n * n).all(|k| scratch.output(k)[0].is_finite()) {
-                count += 1.0;
-                sum.iter_mut().enumerate().for_each(|(k, s)| *s += scratch.output(k)[0]);
-            }
-        }
-        (count > 0.0).then(|| Mat::from_fn(n, n, |i, k| sum[i * n + k] / count))
     }
 }
 

@@ -1,22 +1,28 @@
 //! A fit as a result: terms and parameters with error bars, warnings, free runs, a verdict.
 
-use crate::decisions::{CHANCE_OF_NOISE, COLOURED_PART, PROFILED_TERMS, WORST_NRMSE};
+use crate::decisions::{
+    CHANCE_OF_NOISE, COLOURED_PART, LAW_MISSING, OTHER_MACHINE, PROFILED_TERMS, RARE, WORST_NRMSE,
+};
 use crate::differentiator_dependence::{Number, dependence};
 use crate::input_noise::{self, InputNoiseEffect};
+use crate::result::estimate::Estimate;
 use crate::result::identified::{Identified, NoiseModel, PathPoint, StopReason};
 use crate::result::parameter::FoundParameter;
 use crate::result::quantity::{Quantity, TermId};
 use crate::result::record_fit::RecordFit;
+use crate::result::remainder::Remainder;
 use crate::result::term::FoundTerm;
-use crate::result::verdict::{FitFailure, Rejection, Verdict, verdict};
+use crate::result::verdict::{Contradiction, FitFailure, Rejection, Verdict, verdict};
 use crate::result::warning::Chaos;
 use crate::result::warning::{Warning, at_bounds, sensitive_starts};
 use crate::trajectory::agreement::{Agreement, disagreements};
+use crate::trajectory::contradiction::contradiction;
 use crate::trajectory::error_bars::ErrorBars;
 use crate::trajectory::fit::{Fit, misfit};
 use crate::trajectory::free_run::{Solution, free_runs};
 use crate::trajectory::jacobian::Singular;
 use crate::trajectory::problem::Meaning;
+use crate::trajectory::remainder::remainders;
 use crate::trajectory::separability::inseparable;
 use crate::trajectory::unknowns::Unknowns;
 use crate::trajectory::validated_chain::ValidatedChain;
@@ -82,14 +88,21 @@ pub(crate) fn report(
         p.estimate.ci95 = (p.estimate.ci95.0.max(p.bounds.0), p.estimate.ci95.1.min(p.bounds.1));
     }
     let without = free_runs(system, records, filled, &mut known_part(solution, records));
-    let verdict = match (verdict(system, &terms, &fits, &without, only_noise), failure) {
+    let remainder = remainders(fit);
+    let judged = match &fit.force {
+        Some(_) => with_force(system, &terms, &remainder, &without),
+        None => verdict(system, &terms, &fits, &without, only_noise),
+    };
+    let verdict = match (judged, failure) {
         (Verdict::Rejected(_), Some(failure)) => Verdict::Rejected(Rejection::FitFailed(failure)),
-        (Verdict::Identified, _) => {
+        (held, _) if held.holds() => {
             let against = |without| against_laws(without, fit, &parameters, &fits, only_noise);
-            case.without_laws.as_deref().and_then(against).map_or(Verdict::Identified, Verdict::Rejected)
+            case.without_laws.as_deref().and_then(against).map_or(held, Verdict::Rejected)
         }
         (verdict, _) => verdict,
     };
+    // What the records say against each other comes before what they say of the model.
+    let verdict = limited(verdict, fit, &terms, &warnings);
     for (i, &r) in unknowns.fitted.iter().enumerate() {
         fits[r].noise = noise_of(fit, i);
     }
@@ -101,11 +114,76 @@ pub(crate) fn report(
         parameters,
         records: fits,
         noise_model: noise_model(fit),
+        remainder,
         covariance: with_scatter(bars.covariance(&numbers), &numbers, variance),
         warnings,
         verdict,
         stop_reason,
     }
+}
+
+/// The verdict on a model that leaves a force.
+fn with_force(
+    system: &System,
+    terms: &[FoundTerm],
+    remainder: &[Remainder],
+    without: &[RecordFit],
+) -> Verdict {
+    // Without a term there may still be constants that were asked for.
+    if terms.is_empty() && !system.terms.is_empty() && system.parameters.is_empty() {
+        let known = without.iter().map(|f| (f.name.clone(), f.worst())).collect();
+        return Verdict::Rejected(Rejection::NoTerms { known });
+    }
+    let worst = remainder.iter().max_by(|a, b| a.of_motion.total_cmp(&b.of_motion));
+    match worst.filter(|r| r.of_motion > LAW_MISSING) {
+        Some(of) => Verdict::Rejected(Rejection::LawMissing {
+            record: of.record.clone(),
+            state: system.states[of.state].name.clone(),
+            share: of.of_motion,
+        }),
+        None => Verdict::Named,
+    }
+}
+
+/// What the records take back of a verdict that holds: they contradict each other, or say nothing of a number.
+fn limited(held: Verdict, fit: &Fit<'_>, terms: &[FoundTerm], warnings: &[Warning]) -> Verdict {
+    let system = fit.problem.system;
+    let of_validated = |w: &Warning| match w {
+        Warning::Disagreement { number, record, alone, fitted, errors }
+            if *errors > RARE && (alone - fitted).abs() > OTHER_MACHINE * alone.abs().max(fitted.abs()) =>
+        {
+            Some(Contradiction {
+                number: number.clone(),
+                records: [record.clone(), "the fitted records".to_owned()],
+                values: [*alone, *fitted],
+                errors: *errors,
+            })
+        }
+        _ => None,
+    };
+    if let Some(apart) = contradiction(fit) {
+        return Verdict::Contradictory(apart);
+    }
+    if !held.holds() {
+        return held;
+    }
+    if let Some(apart) = warnings.iter().find_map(of_validated) {
+        return Verdict::Contradictory(apart);
+    }
+    let open = |w: &Warning| match w {
+        Warning::BoundToBound { number: Quantity::Parameter(id) } => Some(id.clone()),
+        // Beside a force that is left a number at its bound is what that force made of it.
+        Warning::AtBound { number: Quantity::Parameter(id), .. } if fit.force.is_some() => Some(id.clone()),
+        _ => None,
+    };
+    let of_laws = warnings.iter().filter_map(open).filter(|id| id.owner.is_none()).map(Quantity::Parameter);
+    let over_zero = |t: &&FoundTerm| {
+        let Estimate { std_error, ci95: (low, high), .. } = t.coefficient;
+        std_error.is_finite() && low <= 0.0 && high >= 0.0
+    };
+    let of_terms = terms.iter().filter(over_zero).map(|t| Quantity::Coefficient(TermId::new(system, t.term)));
+    let open: Vec<Quantity> = of_terms.chain(of_laws).collect();
+    if open.is_empty() { held } else { Verdict::Undetermined(open) }
 }
 
 /// What the chains of records whose motion forgets its start say, each with the place of its record.

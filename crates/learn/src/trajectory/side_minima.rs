@@ -5,7 +5,7 @@
 //! intervals need it, walks over them: so each coefficient is moved to both ends of its interval and beyond,
 //! the others follow, and all are fitted from there.
 
-use crate::decisions::{FINE_MINIMUM, HALF_WIDTH_95, LIKELIHOOD_GAIN, SIDE_REACH, SIDE_ROUNDS};
+use crate::decisions::{BLURRED, FINE_MINIMUM, HALF_WIDTH_95, LIKELIHOOD_GAIN, SIDE_REACH, SIDE_ROUNDS};
 use crate::least_squares::Limits;
 use crate::trajectory::error_bars::ErrorBars;
 use crate::trajectory::fit::{Context, Fit};
@@ -14,18 +14,23 @@ use crate::trajectory::profile::followed;
 use rayon::prelude::*;
 
 impl<'a> Context<'a> {
-    /// The lowest of the minima near a fit, where outputs are fitted in single runs with events.
+    /// The lowest of the minima near a fit in single runs with events: beside each coefficient of outputs that
+    /// jump, of states beside those that are hardly known.
     pub(crate) fn past_side_minima(&self, mut fit: Fit<'a>) -> Fit<'a> {
-        if fit.most_pieces() > 1 || !self.records.iter().any(|r| reads_outputs(self.system, r)) {
+        if fit.most_pieces() > 1 || fit.problem.terms.is_empty() {
             return fit;
         }
-        let runs = fit.problem.runs(&fit.x);
-        if !runs.is_ok_and(|runs| runs.iter().any(|r| !r.run.jumps.is_empty())) {
+        let Ok(runs) = fit.problem.runs(&fit.x) else { return fit };
+        let jumps = runs.iter().any(|r| !r.run.jumps.is_empty());
+        let jumps = jumps && self.records.iter().any(|r| reads_outputs(self.system, r));
+        if runs.iter().all(|r| r.run.events.is_empty()) {
             return fit;
         }
         for _ in 0..SIDE_ROUNDS {
             let bars = ErrorBars::new(&fit);
+            let blurred = |k: &usize| jumps || bars.error(*k) > BLURRED * fit.x[*k].abs();
             let ends: Vec<(usize, f64)> = (0..fit.problem.terms.len())
+                .filter(blurred)
                 .flat_map(|k| SIDE_REACH.map(|reach| (k, fit.x[k] + reach * HALF_WIDTH_95 * bars.error(k))))
                 .filter(|(_, z)| z.is_finite())
                 .collect();

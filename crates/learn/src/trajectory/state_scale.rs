@@ -4,6 +4,11 @@ use super::problem::Problem;
 use crate::decisions::{SIZE_TOLERANCE, SLOPE_STRETCHES, SMALLEST_SIZE, STEPS_PER_SAMPLE};
 use phisindy_sim::Options;
 
+/// What a state's column is larger than the state by.
+fn gain(record: &phisindy_phys::Record, state: usize) -> f64 {
+    record.sensors[state].gain.start.abs()
+}
+
 impl Problem<'_> {
     /// The size of each state: from its columns, from the slope of the displacement whose velocity it is, or,
     /// of a state that nothing shows, from where the law or the model takes it.
@@ -47,7 +52,8 @@ impl Problem<'_> {
     fn shown_scales(&self) -> Vec<f64> {
         (0..self.system.states.len())
             .map(|k| {
-                let own = (0..self.records.len()).map(|r| self.deviations[r][k]).fold(0.0, f64::max);
+                let of = |r: usize| self.deviations[r][k] / gain(self.records[r], k);
+                let own = (0..self.records.len()).map(of).fold(0.0, f64::max);
                 if own > 0.0 {
                     return own;
                 }
@@ -64,7 +70,8 @@ impl Problem<'_> {
                         let pairs = (far..record.len())
                             .map(|i| (column[i] - column[i - far]) / (record.time[i] - record.time[i - far]));
                         let count = (record.len() - far).max(1) as f64;
-                        slope = slope.max((pairs.map(|s| s * s).sum::<f64>() / count).sqrt());
+                        let mean = pairs.map(|s| s * s).sum::<f64>() / count;
+                        slope = slope.max(mean.sqrt() / gain(record, x));
                     }
                 }
                 slope
@@ -83,7 +90,7 @@ impl Problem<'_> {
                 let (low, high) = phisindy_signal::bounds(column);
                 let offset = &record.sensors[k].offset;
                 let (least, most) = offset.within.unwrap_or((offset.start, offset.start));
-                (high - least).abs().max((low - most).abs())
+                (high - least).abs().max((low - most).abs()) / gain(record, k)
             };
             self.records.iter().map(of).fold(0.0, f64::max)
         };

@@ -34,7 +34,7 @@ pub(crate) fn charts(
 }
 
 /// The unit of the force that corresponds to the rate of a state.
-fn force_unit(state: &str) -> Option<&'static str> {
+pub(crate) fn force_unit(state: &str) -> Option<&'static str> {
     let rate = rate(state)?;
     let of = |(unit, force): &(&str, &'static str)| {
         Unit::parse(unit).is_ok_and(|u| u.dimension == rate).then_some(*force)
@@ -42,7 +42,7 @@ fn force_unit(state: &str) -> Option<&'static str> {
     FORCES.iter().find_map(of)
 }
 
-fn rate(state: &str) -> Option<Dimension> {
+pub(crate) fn rate(state: &str) -> Option<Dimension> {
     let second = Unit::parse("s").ok()?.dimension;
     Unit::parse(state).ok().map(|u| u.dimension.div(second))
 }

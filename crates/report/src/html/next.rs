@@ -89,7 +89,10 @@ pub(crate) fn after_rejection(why: &Rejection, spec: &str) -> Vec<String> {
             "Start movable constants nearer to what you expect: `(value: .., within: (.., ..))`.",
             "Hold some of them at first, and free them once the fit follows the motion.",
         ],
-        Rejection::RunFails { .. } | Rejection::RunMisses { .. } | Rejection::NoBetter => &[
+        Rejection::RunFails { .. }
+        | Rejection::RunMisses { .. }
+        | Rejection::LawMissing { .. }
+        | Rejection::NoBetter => &[
             "Look at the figure of the motion below: does the model miss the size, the frequency or the moment of the stops?",
             "Check the units of the columns, the signs in the known part, and the constants that you are least sure of; let those move.",
             "Ask what is missing: `phisindy gap SPEC` tries every law of the catalogue at every place.",

@@ -77,24 +77,18 @@ fn banner(report: &RunReport<'_>) -> Banner {
         method(found.method),
         digits(report.ending.seconds, 2),
     );
-    match &found.verdict {
-        Verdict::Identified => Banner {
-            tone: Tone::Good,
-            headline: "Identified".to_owned(),
-            text: format!(
-                "{}. Run freely, the model misses the motion by at most {}.",
-                capital(&found_words(report)),
-                errors.join(" and ")
-            ),
-            how,
-        },
-        Verdict::Rejected(why) => Banner {
-            tone: Tone::Bad,
-            headline: "Rejected".to_owned(),
-            text: format!("{}.", capital(&why.to_string())),
-            how,
-        },
+    let headline = capital(found.verdict.word());
+    let reason = found.verdict.reason().map(|why| format!("{}.", capital(&why)));
+    if !found.verdict.holds() {
+        return Banner { tone: Tone::Bad, headline, text: reason.unwrap_or_default(), how };
     }
+    let missed = format!(
+        "{}. Run freely, the model misses the motion by at most {}.",
+        capital(&found_words(report)),
+        errors.join(" and ")
+    );
+    let text = reason.map_or(missed.clone(), |why| format!("{missed} {why}"));
+    Banner { tone: Tone::Good, headline, text, how }
 }
 
 /// What a free run leaves of the worst column of a record, in units of its noise: ` (1.0 times its noise)`.

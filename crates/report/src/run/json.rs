@@ -6,7 +6,8 @@ use super::contribution::{Contribution, contribution};
 use super::fixed::FixedValue;
 use super::report::RunReport;
 use crate::format::{method_name as method, role_name as role};
-use phisindy_learn::{Estimate, Verdict};
+use phisindy_learn::{Estimate, Remainder};
+use phisindy_phys::System;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
@@ -17,6 +18,8 @@ struct Outcome<'a> {
     method: &'a str,
     verdict: &'a str,
     reason: Option<String>,
+    /// The forces that are left.
+    remainder: Vec<RemainderOut<'a>>,
     /// The free runs that the verdict rests on.
     basis: String,
     equations: Vec<EquationOut<'a>>,
@@ -31,6 +34,34 @@ struct Outcome<'a> {
     stopped: bool,
     seconds: f64,
     version: &'a str,
+}
+
+#[derive(Serialize)]
+struct RemainderOut<'a> {
+    at: &'a str,
+    record: &'a str,
+    rms: f64,
+    unit: String,
+    share: f64,
+    /// Of this share what follows the motion.
+    of_motion: f64,
+    /// Seconds between which it is strongest.
+    #[serde(rename = "where")]
+    strongest: [f64; 2],
+}
+
+impl<'a> RemainderOut<'a> {
+    fn new(system: &'a System) -> impl Fn((&'a Remainder, f64, String)) -> RemainderOut<'a> {
+        |(left, rms, unit)| RemainderOut {
+            at: &system.states[left.state].name,
+            record: &left.record,
+            rms,
+            unit,
+            share: left.share,
+            of_motion: left.of_motion,
+            strongest: left.strongest.into(),
+        }
+    }
 }
 
 #[derive(Serialize)]
@@ -146,8 +177,9 @@ pub(crate) fn line(report: &RunReport<'_>) -> String {
         spec: report.input.name,
         title: &system.title,
         method: method(found.method),
-        verdict: if found.verdict == Verdict::Identified { "identified" } else { "rejected" },
-        reason: if let Verdict::Rejected(why) = &found.verdict { Some(why.to_string()) } else { None },
+        verdict: found.verdict.word(),
+        reason: found.verdict.reason(),
+        remainder: report.remainder().into_iter().map(RemainderOut::new(system)).collect(),
         basis: report.basis(),
         equations: equations.collect(),
         parameters: parameters.collect(),

@@ -3,10 +3,11 @@
 use super::adapted;
 use super::fixed::{FixedValue, fixed_values};
 use crate::equation::{Equation, equations};
+use crate::html::friction::{force_unit, rate};
 use crate::input::{Ending, Input};
 use crate::seen::{Model, Seen};
 use crate::table::short;
-use phisindy_learn::{Adapted, FoundTerm, Identified, RecordFit};
+use phisindy_learn::{Adapted, FoundTerm, Identified, RecordFit, Remainder};
 use phisindy_phys::spec::Role;
 use phisindy_phys::unit::Dimension;
 
@@ -100,15 +101,31 @@ impl<'a> RunReport<'a> {
     /// The coefficient times the inertia of its state, and the unit of that force, if the spec states an
     /// inertia that is one number.
     pub(crate) fn force(&self, found: &FoundTerm) -> Option<(f64, Dimension)> {
+        let term = &self.input.case.system.terms[found.term];
+        Some((found.coefficient.value * self.inertia(term.state)?, term.force?))
+    }
+
+    /// The identified inertia of a state, where the spec says what it is.
+    fn inertia(&self, state: usize) -> Option<f64> {
         let system = &self.input.case.system;
-        let term = &system.terms[found.term];
-        let (unit, inertia) = (term.force?, system.inertia[term.state]?);
         let moved = self.identified.parameters.iter().filter(|p| p.id.record().is_none());
         let values: Vec<_> = moved
             .filter_map(|p| Some((system.parameters[p.id.constant()?].node, p.estimate.value)))
             .collect();
         let mut graph = system.graph.clone();
-        let inertia = system.with_values(&mut graph, inertia, &values);
-        Some((found.coefficient.value * graph.value(inertia)?, unit))
+        let inertia = system.with_values(&mut graph, system.inertia[state]?, &values);
+        graph.value(inertia)
+    }
+
+    /// The forces that are left, each with its size and unit: a force where the spec states the inertia, else a rate.
+    pub(crate) fn remainder(&self) -> Vec<(&'a Remainder, f64, String)> {
+        let with_unit = |left: &'a Remainder| {
+            let unit = &self.input.case.system.states[left.state].unit;
+            match (self.inertia(left.state), force_unit(unit)) {
+                (Some(inertia), Some(force)) => (left, left.rms * inertia, force.to_owned()),
+                _ => (left, left.rms, rate(unit).map_or(String::new(), |rate| rate.to_string())),
+            }
+        };
+        self.identified.remainder.iter().map(with_unit).collect()
     }
 }

@@ -89,8 +89,13 @@ fn verdict(report: &RunReport<'_>, look: Look) -> String {
         Verdict::Identified if found.terms.is_empty() && !report.input.case.system.terms.is_empty() => {
             look.ink(Ink::Good, "identified: nothing of the dictionary is missing")
         }
-        Verdict::Identified => look.ink(Ink::Good, "identified"),
-        Verdict::Rejected(why) => format!("{} {why}", look.ink(Ink::Bad, "rejected:")),
+        verdict => {
+            let ink = if verdict.holds() { Ink::Good } else { Ink::Bad };
+            match verdict.reason() {
+                Some(why) => format!("{} {why}", look.ink(ink, &format!("{}:", verdict.word()))),
+                None => look.ink(ink, verdict.word()),
+            }
+        }
     };
     let stopped =
         report.ending.stopped_words().map_or(String::new(), |s| format!("{s} before the end; so far "));

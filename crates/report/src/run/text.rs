@@ -45,8 +45,7 @@ fn details(report: &RunReport<'_>) -> Vec<String> {
             }
             .to_owned()
         }
-        Verdict::Identified => "identified".to_owned(),
-        Verdict::Rejected(why) => format!("rejected: {why}"),
+        verdict => stated(verdict),
     };
     let verdict = match report.ending.stopped_words() {
         Some(stopped) => format!("{stopped} before the end; so far {verdict}"),
@@ -64,6 +63,7 @@ fn details(report: &RunReport<'_>) -> Vec<String> {
     section(contribution::rows(&report.input.case.system, found));
     section(parameters(report));
     section(records(report));
+    section(remainder(report));
     let system = &report.input.case.system;
     lines.extend(found.records.iter().filter_map(|record| adapted::words(system, record)));
     lines.extend(fixed::line(&report.fixed));
@@ -77,6 +77,12 @@ fn details(report: &RunReport<'_>) -> Vec<String> {
     }
     // Titles and names may contain line ends, after which the text would not be a comment.
     lines.into_iter().map(|line| line.replace(['\n', '\r'], " ")).collect()
+}
+
+/// The word of a verdict, and why it is no better.
+pub(crate) fn stated(verdict: &Verdict) -> String {
+    let why = verdict.reason().map_or(String::new(), |why| format!(": {why}"));
+    format!("{}{why}", verdict.word())
 }
 
 fn coefficients(report: &RunReport<'_>) -> Vec<Vec<String>> {
@@ -131,6 +137,21 @@ fn records(report: &RunReport<'_>) -> Vec<Vec<String>> {
             errors,
         ]);
     }
+    rows
+}
+
+/// The forces that are left.
+fn remainder(report: &RunReport<'_>) -> Vec<Vec<String>> {
+    let mut rows = vec![words(&["force that is left", "record", "rms", "of the whole", "strongest"])];
+    rows.extend(report.remainder().into_iter().map(|(left, rms, unit)| {
+        vec![
+            format!("on {}", report.input.case.system.states[left.state].name),
+            left.record.clone(),
+            format!("{} {unit}", short(rms)),
+            format!("{:.1} %", 100.0 * left.share),
+            format!("{} to {} s", short(left.strongest.0), short(left.strongest.1)),
+        ]
+    }));
     rows
 }
 

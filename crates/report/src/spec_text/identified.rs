@@ -4,7 +4,7 @@
 use super::edit::{Text, first, head, number, records_of, sensor_of};
 use crate::input::Input;
 use phisindy_expr::{AstKind, Binary, Unary, parse};
-use phisindy_learn::{FoundParameter, Identified, ParameterOf, Verdict};
+use phisindy_learn::{FoundParameter, Identified, ParameterOf};
 use phisindy_phys::spec::{ConstantSpec, DataSpec, Spec, UnknownSpec};
 use phisindy_phys::unit::{Dimension, Unit};
 use phisindy_phys::{SourceId, spec};
@@ -44,10 +44,9 @@ pub fn identified(input: Input<'_>, found: &Identified) -> Result<String, String
             text.set(&["data", &r.to_string(), "truth"], "{}")?;
         }
     }
-    let verdict = match &found.verdict {
-        Verdict::Identified => "identified".to_owned(),
-        Verdict::Rejected(why) => format!("REJECTED: {why}"),
-    };
+    let word = found.verdict.word();
+    let word = if found.verdict.holds() { word.to_owned() } else { word.to_uppercase() };
+    let verdict = found.verdict.reason().map_or(word.clone(), |why| format!("{word}: {why}"));
     let measured = spec.data.iter().any(|d| matches!(d, DataSpec::Csv(_)));
     let data = if measured { "      (with --data DIR where its data files have moved)" } else { "" };
     let head = format!(

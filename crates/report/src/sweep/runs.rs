@@ -56,8 +56,8 @@ pub enum RunVerdict {
     /// The model predicts the records.
     #[default]
     Identified,
-    /// It does not, and why.
-    Rejected(String),
+    /// It does not, or only in part: the word of its verdict, and why.
+    Doubted(String),
     /// There is no model, and why.
     Failed(String),
 }
@@ -66,7 +66,7 @@ impl std::fmt::Display for RunVerdict {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             RunVerdict::Identified => f.write_str("identified"),
-            RunVerdict::Rejected(why) => write!(f, "rejected: {why}"),
+            RunVerdict::Doubted(why) => f.write_str(why),
             RunVerdict::Failed(why) => write!(f, "failed: {why}"),
         }
     }
