@@ -97,7 +97,7 @@ impl<'s, 'a> Ending<'s, 'a> {
         let (status, warning) = status(&self.last.score, repeats, bent(&self.last));
         self.warnings.extend(warning);
         let (status, determined) = self.doubts(status);
-        let (status, alternative) = self.other_explanations(status, repeats)?;
+        let (status, alternative) = self.other_explanations(status, repeats, determined)?;
         let found = |a: &Applied| a.effect.entry.id == DISCOVERED;
         let status = match status {
             Status::Explained if self.last.model.effects.iter().any(found) => Status::Described,
@@ -108,6 +108,12 @@ impl<'s, 'a> Ending<'s, 'a> {
         self.warnings.extend(at_bounds(&self.last.cal.parameters).into_iter().map(Warning::Fit));
         self.warnings.extend(sensitive_starts(&self.last.cal.records).into_iter().map(Warning::Fit));
         let steps: Vec<Step> = (0..self.last.model.effects.len()).map(|k| self.step(k)).collect();
+        // No result claims more than its own probability.
+        let unlikely = |s: &Step| s.probability.is_some_and(|p| p < 0.5);
+        let status = match status {
+            Status::Explained if steps.iter().any(unlikely) => Status::Undetermined,
+            other => other,
+        };
         let (mut steps, mut partial) =
             if status == Status::Unexplained { split_substantial(steps) } else { (steps, vec![]) };
         // An approximation is not named as what is missing.
@@ -230,6 +236,7 @@ impl<'s, 'a> Ending<'s, 'a> {
         &mut self,
         mut status: Status,
         repeats: bool,
+        determined: usize,
     ) -> Result<(Status, Option<Alternative>), GapError> {
         let whole = self.last.clone();
         let interrupted = self.interrupted();
@@ -272,14 +279,20 @@ impl<'s, 'a> Ending<'s, 'a> {
                 helps
             }
         };
-        self.warnings.extend(mixed.map(Warning::Spec));
+        self.warnings.extend(mixed.clone().map(Warning::Spec));
         if helps < whole.model.effects.len() {
             self.path.truncate(helps + 1);
             self.last = with_errors(self.path[helps].clone(), &self.noise)?;
             self.path[helps] = self.last.clone();
         }
         if alternative.is_none() && !interrupted {
-            alternative = input_noise(&self.last, &self.noise).map(Alternative::InputNoise);
+            let noise = input_noise(&self.last, &self.noise);
+            // What the noise of the inputs leaves is no force: the model is as good as they are.
+            let whole = helps == determined && helps == whole.model.effects.len() && mixed.is_none();
+            if whole && noise.as_ref().is_some_and(|n| n.left <= REPEATS * n.alone) {
+                status = if helps == 0 { Status::NothingMissing } else { Status::Explained };
+            }
+            alternative = noise.map(Alternative::InputNoise);
         }
         self.warnings.extend(causes(&self.base, &self.last).into_iter().map(Warning::Cause));
         Ok((status, alternative))

@@ -44,6 +44,8 @@ pub enum Status {
     Explained,
     /// It does so with a formula that was found in the data, which is in no catalogue.
     Described,
+    /// Effects were found that leave only noise, and others do as well: which ones it is, is not determined.
+    Undetermined,
     /// Something is missing that no law of the catalogue and no formula explains.
     Unexplained,
 }
@@ -55,8 +57,14 @@ impl Status {
             Status::NothingMissing => "nothing-missing",
             Status::Explained => "explained",
             Status::Described => "described",
+            Status::Undetermined => "undetermined",
             Status::Unexplained => "unexplained",
         }
+    }
+
+    /// Whether the completed model may be used.
+    pub fn holds(self) -> bool {
+        !matches!(self, Status::Undetermined | Status::Unexplained)
     }
 }
 

@@ -9,7 +9,7 @@ use crate::progress::Progress;
 use crate::terminal::{INPUT, NUMERICS, REJECTED, print, remark, tell_report};
 use anyhow::{Result, bail};
 use phisindy::files::{Purpose, beside};
-use phisindy_gap::{GapError, Status};
+use phisindy_gap::GapError;
 use phisindy_report::spec_text::IDENTIFIED;
 use phisindy_report::{Ending, Folder, GapReport};
 use std::ops::ControlFlow;
@@ -87,7 +87,7 @@ pub(crate) fn gap(spec: &Path, without: &[String], options: &Options) -> Result<
     }
     Ok(match (found.interrupted(), found.status) {
         (true, _) => interrupt::code(),
-        (false, Status::Unexplained) => REJECTED,
+        (false, status) if !status.holds() => REJECTED,
         (false, _) => 0,
     })
 }

@@ -2,7 +2,7 @@
 
 use super::error::ModelError;
 use super::quantity::ParameterId;
-use crate::decisions::NOISE_ONLY;
+use crate::decisions::{HALF_WIDTH_95, NOISE_ONLY};
 use phisindy_phys::spec::Role;
 use phisindy_signal::noise_level;
 use phisindy_sim::Trajectory;
@@ -75,26 +75,48 @@ impl RecordFit {
         if adapted < self.samples { adapted..self.samples } else { 0..self.samples }
     }
 
-    /// The largest NRMSE of a column without its white part, which is noise; infinite if the run failed. Of a Fit
-    /// record that shows nothing but noise it is that of the column: what is fitted must move.
-    fn missed(&self) -> f64 {
+    /// The largest NRMSE of all columns that are more than noise; infinite if the run failed. Of a rig at
+    /// rest a column is noise, and so is what any model leaves of it.
+    pub(crate) fn worst_of_motion(&self) -> f64 {
         if self.run.is_none() {
             return f64::INFINITY;
         }
         let rms = |r: &[f64]| (r.iter().map(|e| e * e).sum::<f64>() / r.len() as f64).sqrt();
         let scored = self.scored();
-        let residuals = self.residuals.iter().filter(|r| !r.is_empty()).map(|r| &r[scored.clone()]);
-        let of = |((_, nrmse), residual): (&(String, f64), &[f64])| {
-            let white = noise_level(residual) / rms(residual).max(f64::MIN_POSITIVE);
-            let nothing = self.role == Role::Fit && white.min(1.0) * nrmse > NOISE_ONLY;
-            if nothing { *nrmse } else { nrmse * (1.0 - white * white).max(0.0).sqrt() }
-        };
-        self.nrmse.iter().zip(residuals).map(of).fold(0.0, f64::max)
+        let residuals: Vec<&[f64]> =
+            self.residuals.iter().filter(|r| !r.is_empty()).map(|r| &r[scored.clone()]).collect();
+        // The column's standard deviation is that of the residual over the NRMSE.
+        let rests =
+            |k: usize, e: f64| residuals.get(k).is_some_and(|r| noise_level(r) * e > NOISE_ONLY * rms(r));
+        let moves = self.nrmse.iter().enumerate().filter(|(k, (_, e))| !rests(*k, *e));
+        moves.map(|(_, (_, e))| *e).fold(0.0, f64::max)
     }
 
     /// The NRMSE that the record is judged by.
     pub(crate) fn judged(&self) -> f64 {
-        self.segments.unwrap_or_else(|| self.missed())
+        // What is fitted must move; what is validated may have come to rest.
+        let free = || if self.role == Role::Fit { self.worst() } else { self.worst_of_motion() };
+        self.segments.unwrap_or_else(free)
+    }
+
+    /// The largest part of a column that the run misses beyond white noise; infinite if the run failed. The white
+    /// part is known from half of the spectrum: its lower 95 % bound counts. Of a Fit record that shows nothing but
+    /// noise all of it is missed: what is fitted must move.
+    pub(crate) fn missed(&self) -> f64 {
+        if self.run.is_none() || self.segments.is_some() {
+            return self.judged();
+        }
+        let scored = self.scored();
+        let sure = (1.0 - 2.0 * HALF_WIDTH_95 / (scored.len().max(1) as f64).sqrt()).max(0.0);
+        let mut residuals = self.residuals.iter().filter(|r| !r.is_empty());
+        let of = |(_, nrmse): &(String, f64)| {
+            let Some(residual) = residuals.next().map(|r| &r[scored.clone()]) else { return *nrmse };
+            let power = residual.iter().map(|e| e * e).sum::<f64>() / residual.len() as f64;
+            let white = (noise_level(residual).powi(2) / power.max(f64::MIN_POSITIVE)).min(1.0);
+            let nothing = self.role == Role::Fit && white.sqrt() * nrmse > NOISE_ONLY;
+            if nothing { *nrmse } else { nrmse * (1.0 - sure * white).sqrt() }
+        };
+        self.nrmse.iter().map(of).fold(0.0, f64::max)
     }
 
     /// The largest NRMSE of all columns; infinite if the run failed.

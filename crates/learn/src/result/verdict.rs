@@ -183,9 +183,8 @@ fn rejection(
         if let Some(failure) = &fit.failure {
             return Some(Rejection::RunFails { record: fit.name.clone(), failure: failure.clone() });
         }
-        let nrmse = fit.judged();
-        if nrmse > WORST_NRMSE {
-            return Some(Rejection::RunMisses { record: fit.name.clone(), nrmse });
+        if fit.missed() > WORST_NRMSE {
+            return Some(Rejection::RunMisses { record: fit.name.clone(), nrmse: fit.judged() });
         }
     }
     let left = |f: &RecordFit| f.segments.unwrap_or_else(|| f.worst());

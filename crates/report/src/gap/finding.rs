@@ -32,7 +32,7 @@ pub(crate) fn finding(found: &Gap) -> Finding {
         Status::NothingMissing => {
             Finding { headline: "Nothing missing", sentence: capital(&outcome(found)) + "." }
         }
-        Status::Explained | Status::Described => {
+        Status::Explained | Status::Described | Status::Undetermined => {
             let sentence = format!(
                 "{} {} {fall} of the gap {which} ({} → {} times the noise); {}.",
                 capital(&joined(&all)),
@@ -41,8 +41,18 @@ pub(crate) fn finding(found: &Gap) -> Finding {
                 short3(after),
                 rest(found, after)
             );
-            let described = found.status == Status::Described;
-            Finding { headline: if described { "Described by a formula" } else { "Explained" }, sentence }
+            let least = found.steps.iter().filter_map(|s| s.probability).fold(1.0, f64::min);
+            match found.status {
+                Status::Described => Finding { headline: "Described by a formula", sentence },
+                Status::Undetermined => Finding {
+                    headline: "Undetermined",
+                    sentence: format!(
+                        "{sentence} Other laws leave as little: the probability of this choice is {}.",
+                        short3(least)
+                    ),
+                },
+                _ => Finding { headline: "Explained", sentence },
+            }
         }
         Status::Unexplained => {
             let place =

@@ -22,7 +22,7 @@ pub(crate) fn outcome(found: &Gap) -> String {
             let to = if noise { " to their noise" } else { limit(found) };
             format!("the model explains the data{to} (gap {}{sensitive})", short(last))
         }
-        Status::Explained | Status::Described => {
+        Status::Explained | Status::Described | Status::Undetermined => {
             let why = match sensitivity(found) {
                 words if !words.is_empty() => words,
                 _ if last > NOISE => limit(found).to_owned(),

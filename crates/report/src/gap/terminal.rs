@@ -10,7 +10,7 @@ use crate::stretch::series;
 use crate::table::{raised, short, with_error};
 use crate::terminal::braille::plot;
 use crate::terminal::{Ink, Look, unicode};
-use phisindy_gap::{Gap, Status, Step};
+use phisindy_gap::{Gap, Step};
 
 /// Laws that were tried and are listed.
 const LISTED: usize = 5;
@@ -19,7 +19,7 @@ const LISTED: usize = 5;
 pub(crate) fn text(report: &GapReport<'_>, look: Look) -> String {
     let found = report.gap;
     let finding = finding(found);
-    let ink = if found.status == Status::Unexplained { Ink::Open } else { Ink::Good };
+    let ink = if found.status.holds() { Ink::Good } else { Ink::Open };
     let stopped = report.ending.stopped_words().map_or(String::new(), |s| format!(" ({s} before the end)"));
     let head = format!("{}{stopped}", look.ink(ink, &finding.headline.to_lowercase()));
     let seconds = look.ink(Ink::Faint, &format!("{:.1} s", report.ending.seconds));
