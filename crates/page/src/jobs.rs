@@ -88,13 +88,13 @@ impl Now {
     }
 
     fn stopping(&self) -> bool {
-        self.stop.load(Ordering::SeqCst)
+        self.stop.load(Ordering::SeqCst) || self.closed.load(Ordering::SeqCst)
     }
 
     /// Says what is being done.
     fn tell(&self, fraction: f64, activity: &str) {
         let mut state = self.state();
-        state.fraction = fraction.clamp(state.fraction, 1.0);
+        state.fraction = state.fraction.max(fraction.min(1.0));
         if state.activity != activity {
             activity.clone_into(&mut state.activity);
         }
@@ -158,7 +158,6 @@ impl Jobs {
     /// Asks the work to end, and starts nothing any more.
     pub(crate) fn close(&self) {
         self.now.closed.store(true, Ordering::SeqCst);
-        self.stop();
     }
 
     /// Whether something is running.
@@ -196,14 +195,14 @@ fn work(now: &Now, folder: &Path, request: &Request, path: &Path, text: String, 
     };
     match worked(now, loaded, &laws, what, begin) {
         Ok((files, stopped)) => {
-            let stop = now.stopping();
+            // An answer of hours waits until there is room for it, unless it is given up.
+            now.stop.store(false, Ordering::SeqCst);
             loop {
                 match results::keep(folder, stem(&name), what.name(), &files) {
                     Ok(result) => {
                         return json!({ "result": result, "stopped": stopped, "lacks": files.lacks });
                     }
-                    // An answer of hours waits until there is room, unless it is given up.
-                    Err(why) if stop || now.stopping() => return json!({ "error": why }),
+                    Err(why) if now.stopping() => return json!({ "error": why }),
                     Err(why) => now.tell(1.0, &format!("{why}; trying again, until it is stopped")),
                 }
                 std::thread::sleep(AGAIN);

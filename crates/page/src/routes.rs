@@ -117,7 +117,7 @@ pub(crate) fn answer(site: &Site, head: &Head, path: &str, from: &mut dyn Read) 
     handler(&mut asked).unwrap_or_else(|why| Reply::wrong(400, &why))
 }
 
-impl Asked<'_> {
+impl<'a> Asked<'a> {
     /// A value of the query.
     fn word(&self, key: &str) -> Result<String, String> {
         value(self.query, key).ok_or_else(|| format!("`{key}` is missing"))

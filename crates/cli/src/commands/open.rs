@@ -30,8 +30,8 @@ pub(crate) fn open(args: &OpenArgs, options: &Options) -> Result<u8> {
     // In a pipe another program takes the address.
     let wanted = !args.no_open && io::stdout().is_terminal();
     let way = if wanted { way_to(&page.url(), &folder) } else { None };
-    let shown = way.as_ref().is_some_and(|way| shown_in_browser(way.path()));
-    if wanted && !shown && !options.quiet {
+    let opened = way.as_ref().is_some_and(|way| shown_in_browser(way.path()));
+    if wanted && !opened && !options.quiet {
         remark("no browser could be started: open the address above in one");
     }
     page.serve(&interrupt::requested);
