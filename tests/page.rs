@@ -196,7 +196,8 @@ fn nothing_outside_of_the_folder_is_read_or_written() {
             ("POST", "api/look"),
             ("POST", "api/check"),
         ] {
-            let (status, body) = page.own(method, &format!("{path}?name={name}"), "null");
+            let body = if method == "POST" { "null" } else { "" };
+            let (status, body) = page.own(method, &format!("{path}?name={name}"), body);
             assert_eq!(status, 400, "{method} {path} {name}: {body}");
         }
     }
@@ -406,7 +407,7 @@ fn a_search_goes_on_whoever_asks() {
         page.head("POST", "api/spec?name=long.ron", "Content-Length: 9\r\n") + "(states:",
         page.head("POST", "api/data?name=nul", "Content-Length: 3\r\n") + "t,x",
         page.head("POST", "api/check?name=long.ron", "Content-Length: 3\r\n") + "(((",
-        page.head("POST", "api/start?name=long.ron&what=run", "Content-Length: 0\r\n"),
+        page.head("POST", "api/start?name=long.ron&what=sing", "Content-Length: 0\r\n"),
         page.head("GET", &"a".repeat(20_000), ""),
         page.head("GET", "api/now", "")[..40].to_owned(),
     ];
@@ -426,7 +427,9 @@ fn a_search_goes_on_whoever_asks() {
         }
     });
     let job = page.json("GET", "api/now", "")["job"].clone();
-    assert_eq!((&job["running"], &job["stopping"]), (&json!(true), &json!(false)), "{job}");
+    let goes_on = job["running"] == true && job["stopping"] == false;
+    // With many requests it ends meanwhile.
+    assert!(job["job"] == 1 && (goes_on || job["ended"]["stopped"] == false), "{job}");
     assert_eq!(page.text("long.ron"), long());
     #[cfg(target_os = "linux")]
     assert!(memory() <= 200, "{} MB", memory());
