@@ -5,8 +5,9 @@
 
 use crate::common::{Scratch, phisindy};
 use serde_json::Value;
+use std::io::Write;
 use std::path::Path;
-use std::process::Command;
+use std::process::{Command, Stdio};
 use std::sync::OnceLock;
 
 /// A report and what else is in its folder.
