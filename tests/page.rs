@@ -4,13 +4,17 @@
 
 use phisindy::files::Request;
 use phisindy_page::Page;
+use proptest::collection::vec;
+use proptest::prelude::*;
+use proptest::sample::select;
 use serde_json::{Value, json};
+use std::fmt::Write as _;
 use std::io::{BufRead, BufReader, Read, Write};
-use std::net::TcpStream;
+use std::net::{Shutdown, TcpStream};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, OnceLock};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
@@ -39,7 +43,7 @@ impl Served {
         let page = Page::open(folder.path(), first, 0, Request::default()).expect("a page");
         let (url, stop) = (page.url(), Arc::new(AtomicBool::new(false)));
         let asked = Arc::clone(&stop);
-        let serve = move || page.serve(&|| asked.load(Ordering::SeqCst)).expect("served to the end");
+        let serve = move || page.serve(&|| asked.load(Ordering::SeqCst));
         Served { folder, url, stop, thread: Some(std::thread::spawn(serve)) }
     }
 
@@ -49,21 +53,34 @@ impl Served {
         rest.split_at(rest.find('/').expect("a path"))
     }
 
+    fn connected(&self) -> TcpStream {
+        let stream = TcpStream::connect(self.parts().0).expect("it listens");
+        stream.set_read_timeout(Some(PATIENCE)).expect("a time");
+        stream
+    }
+
+    /// What comes for these bytes, until the connection ends; nothing more is sent.
+    fn raw(&self, bytes: &str) -> String {
+        let (mut stream, mut answer) = (self.connected(), Vec::new());
+        // The server may end the connection before everything is sent.
+        let _ = stream.write_all(bytes.as_bytes()).and_then(|()| stream.shutdown(Shutdown::Write));
+        let _ = stream.read_to_end(&mut answer);
+        String::from_utf8_lossy(&answer).into_owned()
+    }
+
+    /// The head of a request with the token.
+    fn head(&self, method: &str, path: &str, headers: &str) -> String {
+        let (host, token) = self.parts();
+        format!("{method} {token}{path} HTTP/1.1\r\nHost: {host}\r\n{headers}\r\n")
+    }
+
     /// Status, headers and body of an answer.
     fn asked(&self, method: &str, path: &str, headers: &str, body: &str) -> (u16, String, String) {
-        let mut stream = TcpStream::connect(self.parts().0).expect("it listens");
-        stream.set_read_timeout(Some(PATIENCE)).expect("a time");
         let length = body.len();
-        let head = format!(
-            "{method} {path} HTTP/1.1\r\n{headers}Content-Length: {length}\r\nConnection: close\r\n\r\n"
-        );
-        stream.write_all((head + body).as_bytes()).expect("sent");
-        let mut answer = Vec::new();
-        stream.read_to_end(&mut answer).expect("an answer");
-        let answer = String::from_utf8_lossy(&answer).into_owned();
+        let answer =
+            self.raw(&format!("{method} {path} HTTP/1.1\r\n{headers}Content-Length: {length}\r\n\r\n{body}"));
         let (head, body) = answer.split_once("\r\n\r\n").expect("a head");
-        let status = head.split(' ').nth(1).and_then(|s| s.parse().ok()).expect("a status");
-        (status, head.to_owned(), body.to_owned())
+        (status(head), head.to_owned(), body.to_owned())
     }
 
     /// The answer to the page itself.
@@ -72,6 +89,15 @@ impl Served {
         let (status, _, body) =
             self.asked(method, &format!("{token}{path}"), &format!("Host: {host}\r\n"), body);
         (status, body)
+    }
+
+    /// The answer to a spec that is saved over a version, and its status.
+    fn saved(&self, name: &str, version: &Value, more: &str, body: &str) -> (u16, Value) {
+        let version = version.as_str().expect("a version");
+        let headers = format!("If-Match: {version}\r\nContent-Length: {}\r\n", body.len());
+        let answer = self.raw(&(self.head("POST", &format!("api/spec?name={name}{more}"), &headers) + body));
+        let body = answer.split_once("\r\n\r\n").expect("a body").1;
+        (status(&answer), serde_json::from_str(body).expect("JSON"))
     }
 
     fn json(&self, method: &str, path: &str, body: &str) -> Value {
@@ -94,6 +120,10 @@ impl Drop for Served {
     fn drop(&mut self) {
         self.stop.store(true, Ordering::SeqCst);
     }
+}
+
+fn status(answer: &str) -> u16 {
+    answer.split(' ').nth(1).and_then(|s| s.parse().ok()).unwrap_or_else(|| panic!("no status: {answer:?}"))
 }
 
 /// A released mass with friction, quick to identify.
@@ -130,8 +160,10 @@ fn the_page_asks_for_nothing_from_elsewhere() {
     let page = Served::new(None);
     let (host, token) = page.parts();
     let (_, head, body) = page.asked("GET", token, &format!("Host: {host}\r\n"), "");
+    let body = body + &page.own("GET", "page.js", "").1 + &page.own("GET", "page.css", "").1;
+    assert!(!head.contains("unsafe-inline") && !body.contains(" style=") && !body.contains(" onclick="));
     for header in [
-        "Content-Security-Policy: default-src 'none'",
+        "Content-Security-Policy: default-src 'none'; script-src 'self'",
         "Referrer-Policy: no-referrer",
         "Cache-Control: no-store",
     ] {
@@ -144,7 +176,19 @@ fn the_page_asks_for_nothing_from_elsewhere() {
 #[test]
 fn nothing_outside_of_the_folder_is_read_or_written() {
     let page = Served::new(None);
-    for name in ["..%2Fa.ron", "%2Fetc%2Fpasswd", "a%2Fb.ron", ".a.ron", "a.ron%00", "..", ""] {
+    let long = format!("{}.ron", "x".repeat(300));
+    for name in [
+        "..%2Fa.ron",
+        "%2Fetc%2Fpasswd",
+        "a%2Fb.ron",
+        ".a.ron",
+        "a.ron%00",
+        "..",
+        "",
+        "nul.ron",
+        "a.ron.",
+        &long,
+    ] {
         for (method, path) in [
             ("GET", "api/spec"),
             ("POST", "api/spec"),
@@ -152,7 +196,8 @@ fn nothing_outside_of_the_folder_is_read_or_written() {
             ("POST", "api/look"),
             ("POST", "api/check"),
         ] {
-            let (status, body) = page.own(method, &format!("{path}?name={name}"), "null");
+            let body = if method == "POST" { "null" } else { "" };
+            let (status, body) = page.own(method, &format!("{path}?name={name}"), body);
             assert_eq!(status, 400, "{method} {path} {name}: {body}");
         }
     }
@@ -208,40 +253,293 @@ fn a_file_becomes_a_spec_and_the_spec_a_result() {
     );
 }
 
-/// The state of the work once it has ended, from the events.
+/// The state of the work once it has ended.
 fn worked(page: &Served) -> Value {
-    let (host, token) = page.parts();
-    let mut stream = TcpStream::connect(host).expect("it listens");
-    stream.set_read_timeout(Some(PATIENCE)).expect("a time");
-    write!(stream, "GET {token}api/events HTTP/1.1\r\nHost: {host}\r\n\r\n").expect("sent");
-    for line in BufReader::new(stream).lines() {
-        let line = line.expect("an event in time");
-        if let Some(data) = line.strip_prefix("data: ") {
-            let state: Value = serde_json::from_str(data).expect("JSON");
-            if !state["ended"].is_null() {
-                return state;
-            }
+    let since = Instant::now();
+    loop {
+        let job = page.json("GET", "api/now", "")["job"].clone();
+        if !job["ended"].is_null() {
+            return job;
         }
+        assert!(since.elapsed() < PATIENCE, "it does not end: {job}");
+        std::thread::sleep(Duration::from_millis(50));
     }
-    panic!("the events ended before the work")
+}
+
+/// A search that takes long.
+fn long() -> String {
+    SPEC.replace("duration: 10.0, step: 0.02", "duration: 400.0, step: 0.01")
+}
+
+/// Starts a long search, and waits until it does.
+fn started(page: &Served) {
+    page.json("POST", "api/spec?name=long.ron", &long());
+    page.json("POST", "api/start?name=long.ron&what=gap", "");
+    let since = Instant::now();
+    while page.json("GET", "api/now", "")["job"]["fraction"] == 0.0 {
+        assert!(since.elapsed() < PATIENCE, "it does not begin");
+        std::thread::sleep(Duration::from_millis(20));
+    }
 }
 
 #[test]
 fn one_thing_is_done_at_a_time_and_can_be_stopped() {
     let page = Served::new(None);
-    page.json(
-        "POST",
-        "api/spec?name=long.ron",
-        &SPEC.replace("duration: 10.0, step: 0.02", "duration: 400.0, step: 0.01"),
-    );
-    page.json("POST", "api/start?name=long.ron&what=gap", "");
+    started(&page);
     let (status, body) = page.own("POST", "api/start?name=long.ron&what=run", "");
     assert!(status == 400 && body.contains("something is running"), "{status} {body}");
     page.json("POST", "api/stop", "");
     let ended = worked(&page)["ended"].clone();
-    assert!(ended["stopped"] == true || ended["error"].is_string(), "{ended}");
+    assert!(ended["stopped"] == true && ended["result"] == "long-gap-1", "{ended}");
+    let report = page.text("results/long-gap-1/report.html");
+    assert!(report.contains("Stopped by you before the end"), "the report says so");
+    assert_eq!(page.json("GET", "api/state", "")["results"][0]["stopped"], true);
     let (status, body) = page.own("POST", "api/start?name=missing.ron&what=run", "");
     assert!(status == 400 && body.contains("missing.ron"), "{body}");
+}
+
+#[test]
+fn the_end_of_the_page_keeps_what_was_found() {
+    let mut page = Served::new(None);
+    started(&page);
+    page.end();
+    let result: Value = serde_json::from_str(&page.text("results/long-gap-1/result.json")).expect("JSON");
+    assert_eq!(result["stopped"], true);
+    assert!(TcpStream::connect(page.parts().0).is_err(), "nobody listens any more");
+}
+
+#[test]
+fn what_breaks_off_changes_nothing() {
+    let page = Served::new(None);
+    page.json("POST", "api/spec?name=a.ron", SPEC);
+    let version =
+        page.json("GET", "api/spec?name=a.ron", "")["version"].as_str().expect("a version").to_owned();
+    let post = |path: &str, headers: &str, body: &str| {
+        let headers = format!("If-Match: {version}\r\n{headers}");
+        status(&page.raw(&(page.head("POST", path, &headers) + body)))
+    };
+    for path in ["api/spec?name=a.ron", "api/new-spec?name=a.ron", "api/data?name=a.csv"] {
+        assert_eq!(post(path, "Content-Length: 100\r\n", "(states:"), 400, "{path}: it breaks off");
+        assert_eq!(post(path, "Content-Length: 99999999999999\r\n", "("), 413, "{path}: it is too long");
+        let chunks = ("Transfer-Encoding: chunked\r\n", "8\r\n(states:\r\n");
+        assert_eq!(post(path, chunks.0, chunks.1), 411, "{path}: chunks without an end");
+        assert_eq!(post(path, "", "(states:"), 411, "{path}: no length");
+        assert_eq!(post(path, "Content-Length: -1\r\n", "("), 411, "{path}: no number");
+    }
+    assert_eq!(page.text("a.ron"), SPEC);
+    let all: Vec<_> = std::fs::read_dir(page.folder.path()).expect("the folder").flatten().collect();
+    assert_eq!(all.len(), 1, "nothing is left: {all:?}");
+}
+
+#[test]
+fn an_edit_never_replaces_another_one() {
+    let page = Served::new(None);
+    let first = page.json("POST", "api/spec?name=a.ron", "one\n")["version"].clone();
+    // Two tabs have read the same text.
+    let (status, told) = page.saved("a.ron", &first, "", "two\n");
+    assert_eq!(status, 200, "{told}");
+    assert_eq!(page.saved("a.ron", &first, "", "mine\n").0, 412);
+    assert_eq!(page.own("POST", "api/spec?name=a.ron", "mine\n").0, 412, "without a version");
+    // An editor.
+    std::fs::write(page.folder.path().join("a.ron"), "three\n").expect("written");
+    assert_eq!(page.saved("a.ron", &told["version"], "", "mine\n").0, 412);
+    let now = page.json("GET", "api/now?name=a.ron", "")["version"].clone();
+    assert!(now.is_string() && now != told["version"], "the page sees it");
+    // What a page saves that closes.
+    assert_eq!(page.saved("a.ron", &told["version"], "&beside=1", "mine\n").1["name"], "a-2.ron");
+    assert_eq!((page.text("a.ron").as_str(), page.text("a-2.ron").as_str()), ("three\n", "mine\n"));
+    let answer = page.raw(&page.head("GET", "api/spec?name=a.ron", ""));
+    assert!(answer.contains(&format!("ETag: {}\r\n", now.as_str().expect("a version"))), "{answer}");
+}
+
+#[test]
+fn what_is_answered_has_limits_before_it_is_read() {
+    let page = Served::new(None);
+    let long = "a".repeat(100_000);
+    assert_eq!(status(&page.raw(&page.head("GET", &long, ""))), 431);
+    assert_eq!(status(&page.raw(&page.head("GET", "", &format!("X: {long}\r\n")))), 431);
+    let many = (0..200).fold(String::new(), |mut all, k| {
+        let _ = write!(all, "h{k}: 1\r\n");
+        all
+    });
+    assert_eq!(status(&page.raw(&page.head("GET", "", &many))), 431);
+    assert_eq!(status(&page.raw("nonsense\r\n\r\n")), 400);
+    let (host, _) = page.parts();
+    let foreign = format!("POST / HTTP/1.1\r\nHost: {host}\r\nContent-Length: 100000000000000\r\n\r\n");
+    assert_eq!(status(&page.raw(&foreign)), 403);
+    assert_eq!(page.own("GET", "api/state", "").0, 200);
+}
+
+/// Memory of this process (MB).
+#[cfg(target_os = "linux")]
+fn memory() -> u64 {
+    let status = std::fs::read_to_string("/proc/self/status").expect("the status of this process");
+    let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:")).expect("its memory");
+    line.trim().trim_end_matches(" kB").parse::<u64>().expect("a number") / 1024
+}
+
+/// `PHISINDY_REQUESTS=100` makes the tests of hostile requests a hundred times as long.
+fn times() -> u32 {
+    std::env::var("PHISINDY_REQUESTS").ok().map_or(1, |n| n.parse().expect("a number of times"))
+}
+
+#[test]
+fn a_search_goes_on_whoever_asks() {
+    let times = times() as usize;
+    let page = Served::new(None);
+    started(&page);
+    // As many as the system gives files for, on both sides.
+    let idle: Vec<TcpStream> = (0..20 * times.min(100)).map(|_| page.connected()).collect();
+    let slow: Vec<TcpStream> = (0..10)
+        .map(|k| {
+            let mut stream = page.connected();
+            let head = page.head("POST", &format!("api/data?name=slow-{k}.csv"), "Content-Length: 1000\r\n");
+            stream.write_all((head + "t,x\n").as_bytes()).expect("sent");
+            stream
+        })
+        .collect();
+    let (host, token) = page.parts();
+    let own = [
+        page.head("GET", "api/state", ""),
+        page.head("GET", "api/nothing", ""),
+        page.head("GET", "results/%2e%2e/long.ron", ""),
+        page.head("POST", "api/spec?name=long.ron", "Content-Length: 100000000000000\r\n"),
+        page.head("POST", "api/spec?name=long.ron", "Content-Length: 9\r\n") + "(states:",
+        page.head("POST", "api/data?name=nul", "Content-Length: 3\r\n") + "t,x",
+        page.head("POST", "api/check?name=long.ron", "Content-Length: 3\r\n") + "(((",
+        page.head("POST", "api/start?name=long.ron&what=sing", "Content-Length: 0\r\n"),
+        page.head("GET", &"a".repeat(20_000), ""),
+        page.head("GET", "api/now", "")[..40].to_owned(),
+    ];
+    let foreign = [
+        format!("GET / HTTP/1.1\r\nHost: {host}\r\n\r\n"),
+        format!("POST {token}api/stop HTTP/1.1\r\nHost: evil.example\r\nContent-Length: 0\r\n\r\n"),
+        format!(
+            "POST /{}/ HTTP/1.1\r\nHost: {host}\r\nContent-Length: 100000000000000\r\n\r\n",
+            "0".repeat(32)
+        ),
+        "\0\u{ff}\r\n\r\n".to_owned(),
+    ];
+    std::thread::scope(|threads| {
+        for (all, count) in [(&own[..], 280 * times), (&own, 280 * times), (&foreign, 100 * times)] {
+            let page = &page;
+            threads.spawn(move || all.iter().cycle().take(count).for_each(|text| drop(page.raw(text))));
+        }
+    });
+    let job = page.json("GET", "api/now", "")["job"].clone();
+    let goes_on = job["running"] == true && job["stopping"] == false;
+    // With many requests it ends meanwhile.
+    assert!(job["job"] == 1 && (goes_on || job["ended"]["stopped"] == false), "{job}");
+    assert_eq!(page.text("long.ron"), long());
+    #[cfg(target_os = "linux")]
+    assert!(memory() <= 200, "{} MB", memory());
+    drop((idle, slow));
+    page.json("POST", "api/stop", "");
+    assert_eq!(worked(&page)["ended"]["result"], "long-gap-1");
+    let state = page.json("GET", "api/state", "");
+    assert_eq!((&state["data"], &state["specs"]), (&json!([]), &json!(["long.ron"])), "no part is a file");
+}
+
+/// Pieces of requests.
+const PIECES: &[&str] = &[
+    "GET ",
+    "POST ",
+    "DELETE ",
+    "/TOKEN/",
+    "/",
+    "api/state",
+    "api/now?name=",
+    "api/spec?name=",
+    "api/new-spec?name=",
+    "api/data?name=",
+    "api/look?name=",
+    "api/check?name=",
+    "api/export?result=",
+    "&to=python",
+    "&beside=1",
+    "&rate=1e9",
+    "results/",
+    "results/a-gap-1/report.html",
+    "?keep=1",
+    "a.ron",
+    "b.csv",
+    "nul.csv",
+    "..",
+    "%2f",
+    "%00",
+    "%",
+    "\u{fc}",
+    " HTTP/1.1\r\n",
+    "Host: HOST\r\n",
+    "Host: evil\r\n",
+    "Content-Length: ",
+    "5",
+    "18446744073709551616",
+    "-1",
+    "\r\n",
+    "Transfer-Encoding: chunked\r\n",
+    "If-Match: \"0\"\r\n",
+    "Origin: null\r\n",
+    ": ",
+    "t,x\n0,1\n",
+    "(states: {",
+    "null",
+    "[{}]",
+];
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 500 * times(), ..ProptestConfig::default() })]
+
+    /// Any bytes get an answer or none, and change nothing but files of the folder, as a whole.
+    #[test]
+    fn no_request_makes_it_fail(
+        asked in select(&["GET /TOKEN/", "POST /TOKEN/", ""][..]),
+        first in select(PIECES),
+        name in select(PIECES),
+        head in select(&[" HTTP/1.1\r\nHost: HOST\r\nContent-Length: 5\r\n\r\nt,x\n0", " HTTP/1.1\r\nHost: HOST\r\n", ""][..]),
+        rest in vec(select(PIECES), 0..8),
+        noise in vec(any::<u8>(), 0..4),
+    ) {
+        static PAGE: OnceLock<(TempDir, Page)> = OnceLock::new();
+        let (folder, page) = PAGE.get_or_init(|| {
+            let folder = tempfile::tempdir().expect("a folder");
+            std::fs::create_dir(folder.path().join("work")).expect("made");
+            let page = Page::open(&folder.path().join("work"), None, 0, Request::default()).expect("a page");
+            (folder, page)
+        });
+        let url = page.url();
+        let (host, token) = url.trim_start_matches("http://").trim_end_matches('/').split_once('/').expect("both");
+        let text = [asked, first, name, head].into_iter().chain(rest).collect::<String>();
+        let mut bytes = text.replace("HOST", host).replace("TOKEN", token).into_bytes();
+        bytes.extend(noise);
+        let answer = page.answered(&bytes);
+        prop_assert!(answer.is_empty() || answer.starts_with(b"HTTP/1.1 "), "{text:?}");
+        prop_assert_eq!(std::fs::read_dir(folder.path()).expect("the folder").count(), 1, "{:?}", text);
+        for entry in std::fs::read_dir(folder.path().join("work")).expect("the folder").flatten() {
+            let name = entry.file_name().into_string().expect("a plain name");
+            prop_assert!(!name.starts_with('.') && !name.contains("nul"), "{name} of {text:?}");
+        }
+    }
+}
+
+#[test]
+fn a_full_or_forbidden_place_is_tried_again_until_it_takes_the_result() {
+    let page = Served::new(None);
+    // A file stands where the folder of results would be.
+    std::fs::write(page.folder.path().join("results"), "").expect("written");
+    page.json("POST", "api/spec?name=quick.ron", SPEC);
+    page.json("POST", "api/start?name=quick.ron&what=run", "");
+    let since = Instant::now();
+    while !page.json("GET", "api/now", "")["job"]["activity"]
+        .as_str()
+        .expect("words")
+        .contains("trying again")
+    {
+        assert!(since.elapsed() < PATIENCE, "it does not say so");
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    std::fs::remove_file(page.folder.path().join("results")).expect("removed");
+    assert_eq!(worked(&page)["ended"]["result"], "quick-run-1");
 }
 
 /// A browser that is told what to do through a pipe (<https://chromedevtools.github.io/devtools-protocol/>).
@@ -372,11 +670,17 @@ fn a_browser_goes_from_a_dropped_file_to_the_report() {
 
     let rig = std::fs::read_to_string(top().join("docs/tutorial/rig.csv")).expect("the file of the tutorial");
     browser.value(&format!(
-        "{{ const all = new DataTransfer(); all.items.add(new File([{}], 'rig.csv'));
+        "{{ const all = new DataTransfer(); all.items.add(new File([{}], 'rig.csv')); all.items.add(new File(['t_ms,x_mm\\n'], 'con.csv'));
             dispatchEvent(new DragEvent('drop', {{ dataTransfer: all, cancelable: true }})); 0 }}",
         json!(rig)
     ));
-    browser.until("$('columns').rows.length === 3");
+    browser.until("$('columns').rows.length === 3 && $('problem').textContent !== ''");
+    let told = browser.value("$('problem').textContent + $('curves-of').textContent");
+    assert!(
+        told.as_str()
+            .is_some_and(|t| t.contains("con.csv") && t.ends_with("Curves of rig.csv over time (s)")),
+        "{told}"
+    );
     assert_eq!(
         browser.value("[...document.querySelectorAll('#columns select')].map(s => s.value).join()"),
         "time,displacement,force"
@@ -426,9 +730,16 @@ fn a_browser_goes_from_a_dropped_file_to_the_report() {
     assert!(!page.text("rig.ron").contains("kk*x"));
 
     browser.value("$('gap').click()");
-    browser.until("$('log').children.length > 1");
+    browser.until("$('line').textContent.includes('round 1')");
     browser.picture("4-progress");
     browser.until("!$('answer').hidden");
+    assert!(
+        browser
+            .value("$('line').textContent")
+            .as_str()
+            .is_some_and(|t| t.starts_with("what is missing in rig.ron: "))
+    );
+    assert_eq!(browser.value("$('answer').compareDocumentPosition($('work'))"), 4, "the answer is above");
     assert_eq!(browser.value("$('finding').textContent"), "Explained: Stribeck friction at v");
     assert_eq!(browser.value("document.querySelectorAll('#gaps i').length"), 2);
     browser.until("$('report').src.includes('rig-gap-1/report.html')");
@@ -450,8 +761,11 @@ fn a_browser_goes_from_a_dropped_file_to_the_report() {
     browser.until("document.readyState === 'complete' && document.querySelectorAll('math').length > 0");
     browser.picture("6-report");
     assert_eq!(browser.value("fetch('../../api/state').then(() => 'read', () => 'refused')"), "refused");
-    // A page that is opened again finds everything.
-    browser.visit(&page.url);
+    // A page that is opened again finds everything. A file leads to it.
+    let way = page.folder.path().join("way.html");
+    std::fs::write(&way, format!("<meta http-equiv=\"refresh\" content=\"0; url={}\">", page.url))
+        .expect("written");
+    browser.visit(&format!("file://{}", way.display()));
     browser
         .until("document.readyState === 'complete' && $('results').querySelectorAll('button').length === 1");
     browser.value("$('results').querySelector('button').click()");
@@ -474,4 +788,48 @@ fn a_browser_goes_from_a_dropped_file_to_the_report() {
     }
     let foreign = "performance.getEntriesByType('resource').filter(e => !e.name.startsWith(location.origin) && !e.name.startsWith('data:')).length";
     assert_eq!(browser.value(foreign), 0);
+}
+
+#[test]
+#[allow(clippy::print_stderr)] // a test that was skipped says so
+fn two_tabs_and_an_editor_lose_no_edit() {
+    let Some(mut browser) = Browser::start() else {
+        eprintln!("skipped: there is no chromium here");
+        return;
+    };
+    let page = Served::new(Some("a.ron"));
+    std::fs::write(page.folder.path().join("a.ron"), SPEC).expect("written");
+    let typed = |words: &str| {
+        format!(
+            "{{ code.focus(); getSelection().selectAllChildren(code); getSelection().collapseToStart();
+                document.execCommand('insertText', false, '/* {words} */'); 0 }}"
+        )
+    };
+    let ready = "document.readyState === 'complete' && page.spec === 'a.ron' && page.ok";
+    browser.visit(&page.url);
+    browser.until(ready);
+    // An editor saves, the page has no edit of its own: it shows the new text.
+    std::fs::write(page.folder.path().join("a.ron"), format!("/* editor */{SPEC}")).expect("written");
+    browser.until("text().startsWith('/* editor */')");
+    // Both edit: the page says so, and writes nothing until it is told what to do.
+    browser.value(&typed("mine"));
+    std::fs::write(page.folder.path().join("a.ron"), format!("/* again */{SPEC}")).expect("written");
+    browser.until("!$('conflict').hidden");
+    browser.picture("10-conflict");
+    assert!(page.text("a.ron").starts_with("/* again */"));
+    assert_eq!(browser.value("$('gap').disabled && text().startsWith('/* mine */')"), true);
+    browser.value("$('keep-mine').click()");
+    browser.until("$('conflict').hidden && page.spec === 'a-2.ron' && page.ok");
+    assert!(page.text("a-2.ron").starts_with("/* mine *//* editor */"));
+    // A page that closes at once saves beside what it could not have seen.
+    browser.value("openSpec('a.ron')");
+    browser.until(ready);
+    std::fs::write(page.folder.path().join("a.ron"), format!("/* third */{SPEC}")).expect("written");
+    browser.value(&(typed("last") + "; location.reload(); 0"));
+    let since = Instant::now();
+    while !page.folder.path().join("a-3.ron").exists() {
+        assert!(since.elapsed() < PATIENCE, "the last edit is lost");
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    assert!(page.text("a-3.ron").starts_with("/* last */") && page.text("a.ron").starts_with("/* third */"));
 }

@@ -5,8 +5,9 @@
 
 use crate::common::{Scratch, phisindy};
 use serde_json::Value;
+use std::io::Write;
 use std::path::Path;
-use std::process::Command;
+use std::process::{Command, Stdio};
 use std::sync::OnceLock;
 
 /// A report and what else is in its folder.
@@ -327,6 +328,25 @@ fn method_step_has_a_band_and_correlations_too() {
 
 /// A mistake in the spec, a file that is not there, a spec that is none: all have a report with what was said
 /// of them.
+#[test]
+fn the_policy_lets_only_the_script_of_the_report_run() {
+    let made = case7();
+    let script =
+        made.html.split("<script>").nth(1).and_then(|s| s.split("</script>").next()).expect("a script");
+    let hash = "import base64, hashlib, sys; print(base64.b64encode(hashlib.sha256(sys.stdin.buffer.read()).digest()).decode())";
+    let mut python = Command::new("python3")
+        .args(["-c", hash])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .expect("python3 starts");
+    python.stdin.take().expect("its input").write_all(script.as_bytes()).expect("written");
+    let out = python.wait_with_output().expect("it ends");
+    let own = format!("script-src 'sha256-{}'", String::from_utf8_lossy(&out.stdout).trim());
+    let (before, _) = made.html.split_once("<style>").expect("a style");
+    assert!(before.contains("default-src 'none'") && before.contains(&own), "the policy wants {own}");
+}
+
 #[test]
 fn what_cannot_be_run_has_a_report_too() {
     let missing = ["run", "specs/frame_250g.ron", "--data", "specs"];

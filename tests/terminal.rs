@@ -112,3 +112,32 @@ fn no_progress_stays_above_the_result_after_an_interrupt() {
     let rows = screen(&said, 80);
     assert!(!rows.iter().any(|row| row.contains("round 1:") || row.contains("^C")), "{rows:#?}");
 }
+
+/// Every user of a machine sees the arguments of a program.
+#[test]
+#[cfg(target_os = "linux")]
+fn the_token_of_the_page_reaches_the_browser_in_a_file_that_only_its_user_reads() {
+    use std::os::unix::fs::PermissionsExt;
+    let scratch = Scratch::new("open-browser");
+    let (browser, seen) = (scratch.path("xdg-open"), scratch.path("seen"));
+    let text =
+        format!("#!/bin/sh\n{{ echo \"$@\"; stat -c %a \"$1\"; cat \"$1\"; }} > '{seen}'\nkill -INT $PPID\n");
+    std::fs::write(&browser, text).expect("written");
+    std::fs::set_permissions(&browser, std::fs::Permissions::from_mode(0o755)).expect("to be run");
+    std::fs::create_dir(scratch.path("work")).expect("made");
+    let path = format!("{}:{}", scratch.path(""), std::env::var("PATH").unwrap_or_default());
+    let program = program(&[]).get_program().to_string_lossy().into_owned();
+    let mut script = Command::new("script");
+    script
+        .args(["-qec", &format!("'{program}' open '{}'", scratch.path("work")), "/dev/null"])
+        .env("PATH", path);
+    let Ok(out) = script.stdin(Stdio::null()).output() else { return };
+    let said = String::from_utf8_lossy(&out.stdout);
+    let url = said.split_whitespace().find(|word| word.starts_with("http://127.0.0.1:")).expect("an address");
+    let seen = std::fs::read_to_string(seen).expect("the browser was started");
+    let (arguments, rest) = seen.split_once('\n').expect("arguments");
+    let token = url.trim_end_matches('/').rsplit('/').next().expect("a token");
+    assert!(arguments.ends_with(".html") && !arguments.contains(token), "{arguments}");
+    assert!(rest.starts_with("600\n") && rest.contains(&format!("url={url}\"")), "{rest}");
+    assert_eq!(std::fs::read_dir(scratch.path("work")).expect("the folder").count(), 0, "nothing is left");
+}

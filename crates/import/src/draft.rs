@@ -19,6 +19,9 @@ const PLENTY: usize = 25_000;
 /// Amplitude in radian beyond which an angle is not small.
 const LARGE_ANGLE: f64 = 0.5;
 
+/// Least share of a line of a spectrum that is shown as the frequency of a column.
+const LINE: f64 = 0.1;
+
 /// A draft of a spec.
 #[derive(Debug)]
 pub struct Draft {
@@ -141,6 +144,12 @@ impl Draft {
     /// The heading of a column.
     pub(crate) fn raw(&self, column: usize) -> &str {
         &self.table.columns[column].heading.raw
+    }
+
+    /// The frequency of a column (Hz), if one line of its spectrum has a tenth of what moves.
+    pub fn frequency(&self, column: usize) -> Option<f64> {
+        let line = self.statistics[column].line.filter(|l| column != self.time.column && l.share > LINE)?;
+        Some(line.frequency / self.factor(self.time.column))
     }
 
     /// The factor from the unit of a column to SI.

@@ -185,7 +185,7 @@ fn column(draft: &Draft, heading: &str) -> Value {
     json!({
         "heading": heading, "unit": own.unit, "role": role(draft, k), "usage": draft.usages[k].to_string(),
         "min": number(statistics.min), "max": number(statistics.max), "std": number(statistics.std),
-        "noise": number(statistics.noise), "frequency": statistics.line.map(|l| l.frequency),
+        "noise": number(statistics.noise), "frequency": draft.frequency(k),
         "missing": statistics.missing,
     })
 }
@@ -237,6 +237,7 @@ fn preview(draft: &Draft) -> Value {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::f64::consts::TAU;
 
     const TEXT: &str = "t,one,two\n";
 
@@ -282,6 +283,19 @@ mod tests {
         assert!(guessed["counted"] == true && guessed["rate"] == 100.0, "{guessed}");
         let told = look(&path, "acc.csv", &Value::Null, Some(250.0));
         assert!(told["spec"].as_str().unwrap().contains("time: Rate(250.0)"), "{told}");
+    }
+
+    #[test]
+    fn frequencies_are_in_hertz_whatever_the_unit_of_time() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("ms.csv");
+        let rows: String =
+            (0..2000).map(|k| format!("{k},{:.5}\n", (TAU * 4.5e-3 * f64::from(k)).sin())).collect();
+        std::fs::write(&path, format!("time (ms),x (mm)\n{rows}")).unwrap();
+        let told = look(&path, "ms.csv", &Value::Null, None);
+        let frequency = told["columns"][1]["frequency"].as_f64().unwrap_or_else(|| panic!("{told}"));
+        assert!((frequency - 4.5).abs() < 0.05, "{frequency}");
+        assert!(told["columns"][0]["frequency"].is_null(), "{told}");
     }
 
     #[test]

@@ -3,9 +3,9 @@
 //! A page of another site can send requests to 127.0.0.1, and can make its own name point there (DNS
 //! rebinding). It does not know the token, and its requests carry its own `Host` and `Origin`.
 
+use crate::request::Head;
 use std::io;
 use std::net::SocketAddr;
-use tiny_http::Request;
 
 /// Bytes of the token.
 const TOKEN: usize = 16;
@@ -63,30 +63,21 @@ impl Guard {
     ///
     /// # Errors
     /// It may not ask.
-    pub(crate) fn path<'r>(&self, request: &'r Request) -> Result<&'r str, Refusal> {
-        let header = |name: &'static str| {
-            request.headers().iter().find(|h| h.field.equiv(name)).map(|h| h.value.as_str())
-        };
-        self.admitted(request.url(), header("Host"), header("Origin"), header("Sec-Fetch-Site"))
-    }
-
-    fn admitted<'r>(
-        &self,
-        url: &'r str,
-        host: Option<&str>,
-        origin: Option<&str>,
-        site: Option<&str>,
-    ) -> Result<&'r str, Refusal> {
-        if !host.is_some_and(|host| self.hosts.iter().any(|own| own == host)) {
+    pub(crate) fn path<'r>(&self, head: &'r Head) -> Result<&'r str, Refusal> {
+        if !head.header("host").is_some_and(|host| self.hosts.iter().any(|own| own == host)) {
             return Err(Refusal::Host);
         }
+        let (token, path) =
+            head.target.strip_prefix('/').and_then(|rest| rest.split_once('/')).ok_or(Refusal::Token)?;
         let own =
             |origin: &str| origin.strip_prefix("http://").is_some_and(|o| self.hosts.iter().any(|h| h == o));
-        if origin.is_some_and(|origin| !own(origin)) || site == Some("cross-site") {
+        // The file that leads a browser here is a place of its own. It may show the page, and nothing else.
+        let shown =
+            path.is_empty() && head.method == "GET" && head.header("sec-fetch-mode") == Some("navigate");
+        let elsewhere = head.header("sec-fetch-site") == Some("cross-site") && !shown;
+        if head.header("origin").is_some_and(|origin| !own(origin)) || elsewhere {
             return Err(Refusal::Origin);
         }
-        let (token, path) =
-            url.strip_prefix('/').and_then(|rest| rest.split_once('/')).ok_or(Refusal::Token)?;
         if same(token.as_bytes(), self.token.as_bytes()) { Ok(path) } else { Err(Refusal::Token) }
     }
 }
@@ -103,29 +94,32 @@ mod tests {
     #[test]
     fn only_the_page_itself_may_ask() {
         let guard = Guard::new(SocketAddr::from(([127, 0, 0, 1], 4000))).unwrap();
-        let url = format!("/{}/api/state", guard.token);
-        let asked =
-            |url: &str, host, origin, site| guard.admitted(url, host, origin, site).map(str::to_owned);
-        let own = Some("127.0.0.1:4000");
-        assert_eq!(asked(&url, own, None, None), Ok("api/state".to_owned()));
-        assert_eq!(
-            asked(&url, Some("localhost:4000"), Some("http://localhost:4000"), None),
-            Ok("api/state".to_owned())
-        );
-        for host in
-            [None, Some("evil.example"), Some("127.0.0.1"), Some("127.0.0.1:4001"), Some("evil.example:4000")]
-        {
-            assert_eq!(asked(&url, host, None, None), Err(Refusal::Host));
+        let asked = |path: &str, host: &str, more: &str| {
+            let text = format!("GET {path} HTTP/1.1\r\nHost: {host}\r\n{more}\r\n");
+            let head = Head::read(&mut text.as_bytes()).unwrap();
+            guard.path(&head).map(str::to_owned)
+        };
+        let (url, own) = (format!("/{}/api/state", guard.token), "127.0.0.1:4000");
+        assert_eq!(asked(&url, own, ""), Ok("api/state".to_owned()));
+        let localhost = asked(&url, "localhost:4000", "Origin: http://localhost:4000\r\n");
+        assert_eq!(localhost, Ok("api/state".to_owned()));
+        for host in ["", "evil.example", "127.0.0.1", "127.0.0.1:4001", "evil.example:4000"] {
+            assert_eq!(asked(&url, host, ""), Err(Refusal::Host));
         }
         for origin in
             ["null", "http://evil.example", "https://127.0.0.1:4000", "http://127.0.0.1:4000.evil.example"]
         {
-            assert_eq!(asked(&url, own, Some(origin), None), Err(Refusal::Origin));
+            assert_eq!(asked(&url, own, &format!("Origin: {origin}\r\n")), Err(Refusal::Origin));
         }
-        assert_eq!(asked(&url, own, None, Some("cross-site")), Err(Refusal::Origin));
         let wrong = format!("/{}/", "0".repeat(2 * TOKEN));
-        for url in ["/", "", "/api/state", wrong.as_str(), "//api/state", &url[..20]] {
-            assert_eq!(asked(url, own, None, None), Err(Refusal::Token));
+        for url in ["/", "/api/state", wrong.as_str(), "//api/state", &url[..20]] {
+            assert_eq!(asked(url, own, ""), Err(Refusal::Token));
+        }
+        // A link from elsewhere that knows the token shows the page, and does nothing.
+        let shown = "Sec-Fetch-Site: cross-site\r\nSec-Fetch-Mode: navigate\r\n";
+        assert_eq!(asked(&format!("/{}/", guard.token), own, shown), Ok(String::new()));
+        for more in [shown, "Sec-Fetch-Site: cross-site\r\n"] {
+            assert_eq!(asked(&url, own, more), Err(Refusal::Origin));
         }
     }
 

@@ -12,11 +12,11 @@ use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Least time between two states that are sent.
-const BEAT: Duration = Duration::from_millis(150);
+/// Interval at which a result is tried to be written again, where the disk is full.
+const AGAIN: Duration = Duration::from_millis(500);
 
 /// What is to be done with a spec.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,36 +57,28 @@ pub(crate) struct Jobs {
 #[derive(Default)]
 struct Now {
     state: Mutex<State>,
-    changed: Condvar,
     stop: AtomicBool,
+    /// Nothing new is started.
+    closed: AtomicBool,
 }
 
 /// The job that is under way, or the last one.
 #[derive(Clone, Default)]
 struct State {
-    /// Counts changes.
-    version: u64,
     /// Counts jobs.
     job: u64,
     what: &'static str,
     spec: String,
     running: bool,
+    /// It never goes back: a search that begins another round has more to do than it knew.
     fraction: f64,
-    /// What was begun, and when (s).
-    log: Vec<(f64, String)>,
+    /// What is being done.
+    activity: String,
     begin: Option<Instant>,
+    /// Seconds that it took.
+    took: Option<f64>,
     /// How it ended, for the page.
     ended: Option<Value>,
-}
-
-impl State {
-    fn json(&self) -> Value {
-        json!({
-            "job": self.job, "what": self.what, "spec": self.spec, "running": self.running,
-            "fraction": self.fraction, "log": self.log, "ended": self.ended,
-            "seconds": self.begin.filter(|_| self.running).map(|b| b.elapsed().as_secs_f64()),
-        })
-    }
 }
 
 impl Now {
@@ -95,11 +87,17 @@ impl Now {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn change(&self, change: impl FnOnce(&mut State)) {
+    fn stopping(&self) -> bool {
+        self.stop.load(Ordering::SeqCst) || self.closed.load(Ordering::SeqCst)
+    }
+
+    /// Says what is being done.
+    fn tell(&self, fraction: f64, activity: &str) {
         let mut state = self.state();
-        change(&mut state);
-        state.version += 1;
-        self.changed.notify_all();
+        state.fraction = state.fraction.max(fraction.min(1.0));
+        if state.activity != activity {
+            activity.clone_into(&mut state.activity);
+        }
     }
 }
 
@@ -122,8 +120,10 @@ impl Jobs {
             if state.running {
                 return Err("something is running: wait, or stop it first".to_owned());
             }
+            if self.now.closed.load(Ordering::SeqCst) {
+                return Err("the program is ending".to_owned());
+            }
             *state = State {
-                version: state.version + 1,
                 job: state.job + 1,
                 what: what.name(),
                 spec: spec.to_owned(),
@@ -138,14 +138,14 @@ impl Jobs {
             let worked = catch_unwind(AssertUnwindSafe(|| work(&now, &place, &request, &path, text, what)));
             let ended =
                 worked.unwrap_or_else(|_| json!({ "error": "the program failed: please report this" }));
-            now.change(|state| {
-                state.running = false;
-                state.ended = Some(ended);
-            });
+            let mut state = now.state();
+            state.took = state.begin.map(|begin| begin.elapsed().as_secs_f64());
+            state.running = false;
+            state.ended = Some(ended);
         };
         let started = std::thread::Builder::new().name("work".to_owned()).spawn(work);
         started.map(drop).map_err(|why| {
-            self.now.change(|state| state.running = false);
+            self.now.state().running = false;
             format!("cannot start the work: {why}")
         })
     }
@@ -155,26 +155,32 @@ impl Jobs {
         self.now.stop.store(true, Ordering::SeqCst);
     }
 
+    /// Asks the work to end, and starts nothing any more.
+    pub(crate) fn close(&self) {
+        self.now.closed.store(true, Ordering::SeqCst);
+    }
+
     /// Whether something is running.
     pub(crate) fn busy(&self) -> bool {
         self.now.state().running
     }
 
-    /// The state, once it is another one than that of `version`, with its version; after `patience` in any
-    /// case.
-    pub(crate) fn after(&self, version: Option<u64>, patience: Duration) -> (u64, Value) {
+    /// What is being done, or how it ended.
+    pub(crate) fn now(&self) -> Value {
         let state = self.now.state();
-        let same = |state: &mut State| Some(state.version) == version;
-        let waited = self.now.changed.wait_timeout_while(state, patience, same);
-        let (state, _) = waited.unwrap_or_else(PoisonError::into_inner);
-        (state.version, state.json())
+        let seconds = state.took.or(state.begin.map(|begin| begin.elapsed().as_secs_f64()));
+        json!({
+            "job": state.job, "what": state.what, "spec": state.spec, "running": state.running,
+            "fraction": state.fraction, "activity": state.activity, "seconds": seconds, "ended": state.ended,
+            "stopping": state.running && self.now.stopping(),
+        })
     }
 }
 
 /// Does the work and keeps its result; how it ended.
 fn work(now: &Now, folder: &Path, request: &Request, path: &Path, text: String, what: What) -> Value {
     let begin = Instant::now();
-    now.change(|state| state.log.push((0.0, "reading the spec and its data".to_owned())));
+    now.tell(0.0, "reading the spec and its data");
     let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
     let (mut sources, mut found) = (Sources::default(), Vec::new());
     let loaded = load_text(path, text, request, what.purpose(), &mut sources, &mut found);
@@ -189,11 +195,17 @@ fn work(now: &Now, folder: &Path, request: &Request, path: &Path, text: String, 
     };
     match worked(now, loaded, &laws, what, begin) {
         Ok((files, stopped)) => {
-            let kept = results::keep(folder, stem(&name), what.name(), &files);
-            let lacks = files.lacks;
-            match kept {
-                Ok(result) => json!({ "result": result, "stopped": stopped, "lacks": lacks }),
-                Err(why) => json!({ "error": why }),
+            // An answer of hours waits until there is room for it, unless it is given up.
+            now.stop.store(false, Ordering::SeqCst);
+            loop {
+                match results::keep(folder, stem(&name), what.name(), &files) {
+                    Ok(result) => {
+                        return json!({ "result": result, "stopped": stopped, "lacks": files.lacks });
+                    }
+                    Err(why) if now.stopping() => return json!({ "error": why }),
+                    Err(why) => now.tell(1.0, &format!("{why}; trying again, until it is stopped")),
+                }
+                std::thread::sleep(AGAIN);
             }
         }
         Err(error) => {
@@ -210,10 +222,9 @@ fn worked(
     what: What,
     begin: Instant,
 ) -> Result<(Folder, bool), phisindy::Error> {
-    let told = Mutex::new(begin);
     let observe = |progress: Progress<'_>| {
-        tell(now, progress, begin, &told);
-        if now.stop.load(Ordering::SeqCst) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        now.tell(progress.fraction, if progress.activity.is_empty() { "fitting" } else { progress.activity });
+        if now.stopping() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
     let options = Options { laws: Some(laws), observe: Some(&observe), ..Options::default() };
     let seconds = || begin.elapsed().as_secs_f64();
@@ -229,21 +240,4 @@ fn worked(
             (found.folder_of(seconds(), &command), found.stopped())
         }
     })
-}
-
-/// Tells the page, not more often than it can be seen.
-fn tell(now: &Now, progress: Progress<'_>, begin: Instant, told: &Mutex<Instant>) {
-    let mut last = told.lock().unwrap_or_else(PoisonError::into_inner);
-    let activity = if progress.activity.is_empty() { "fitting" } else { progress.activity };
-    let new = now.state().log.last().is_none_or(|(_, words)| words != activity);
-    if !new && last.elapsed() < BEAT {
-        return;
-    }
-    *last = Instant::now();
-    now.change(|state| {
-        state.fraction = progress.fraction.clamp(0.0, 1.0);
-        if new {
-            state.log.push((begin.elapsed().as_secs_f64(), activity.to_owned()));
-        }
-    });
 }

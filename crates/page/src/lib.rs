@@ -2,10 +2,11 @@
 //! mistakes below the line, run it, watch the gap shrink, read the report.
 //!
 //! ```text
-//! browser --guard (token, Host, Origin)--> routes --+-- columns: a data file, its columns, a spec for it
-//!                                                   +-- check:   a spec, its mistakes by line
-//!                                                   +-- jobs:    `run` and `gap` on a thread, their progress
-//!                                                   +-- results: folders that are finished, their files, exports
+//! browser --server (connections)--> request --guard (token, Host, Origin)--> routes
+//!     routes --+-- columns: a data file, its columns, a spec for it
+//!              +-- check:   a spec, its mistakes by line
+//!              +-- jobs:    `run` and `gap` on a thread, their progress
+//!              +-- results: folders that are finished, their files, exports
 //! ```
 //!
 //! It is a layer over the library `phisindy` and knows no numerics. Everything is a file in one folder: the
@@ -19,30 +20,32 @@ mod folder;
 mod guard;
 mod jobs;
 mod reply;
+mod request;
 mod results;
 mod routes;
+mod server;
 mod site;
 
 use folder::Working;
 use guard::Guard;
 use jobs::Jobs;
 use phisindy::files::Request;
+use server::Server;
 use site::Site;
 use std::io;
-use std::net::{Ipv4Addr, SocketAddr};
+use std::net::{Ipv4Addr, SocketAddr, TcpListener};
 use std::path::Path;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
-use tiny_http::Server;
 
-/// Interval at which the server asks whether to stop.
+/// Interval at which the page asks whether to stop.
 const TICK: Duration = Duration::from_millis(100);
 /// Time that work has to end, and to keep what is finished.
-const GRACE: Duration = Duration::from_secs(10);
+const GRACE: Duration = Duration::from_secs(60);
 
 /// A page that is served.
 pub struct Page {
-    server: Server,
+    listener: TcpListener,
     site: Arc<Site>,
 }
 
@@ -51,20 +54,21 @@ impl Page {
     /// `first`, a spec or a data file; `request` names further folders of data and laws, which are read only.
     ///
     /// # Errors
-    /// The folder cannot be written, the port is taken, or the system gives no random numbers.
+    /// There is no such folder, the port is taken, or the system gives no random numbers.
     pub fn open(folder: &Path, first: Option<&str>, port: u16, request: Request) -> io::Result<Page> {
         let folder = Working::open(folder)?;
-        let server = Server::http(SocketAddr::from((Ipv4Addr::LOCALHOST, port)))
-            .map_err(|why| io::Error::other(format!("cannot listen on port {port} of 127.0.0.1: {why}")))?;
-        let address = server.server_addr().to_ip().ok_or_else(|| io::Error::other("there is no address"))?;
+        let listener = TcpListener::bind(SocketAddr::from((Ipv4Addr::LOCALHOST, port))).map_err(|why| {
+            io::Error::new(why.kind(), format!("cannot listen on port {port} of 127.0.0.1: {why}"))
+        })?;
         let site = Site {
-            guard: Guard::new(address)?,
+            guard: Guard::new(listener.local_addr()?)?,
             folder,
             jobs: Jobs::default(),
             request,
+            turn: Mutex::new(()),
             first: first.map(str::to_owned),
         };
-        Ok(Page { server, site: Arc::new(site) })
+        Ok(Page { listener, site: Arc::new(site) })
     }
 
     /// The address, with the token.
@@ -73,25 +77,34 @@ impl Page {
     }
 
     /// Answers requests until `stop` says so. Work that is under way is then asked to end, and keeps what is
-    /// finished.
-    ///
-    /// # Errors
-    /// The system takes the port away.
-    pub fn serve(&self, stop: &dyn Fn() -> bool) -> io::Result<()> {
-        while !stop() {
-            if let Some(request) = self.server.recv_timeout(TICK)? {
-                let site = Arc::clone(&self.site);
-                // Each request has a thread: events are sent for as long as the page is open.
-                std::thread::Builder::new()
-                    .name("request".to_owned())
-                    .spawn(move || routes::answer(&site, request))?;
+    /// finished; the page is answered until it has.
+    pub fn serve(&self, stop: &dyn Fn() -> bool) {
+        let server = Server::new(Arc::clone(&self.site));
+        std::thread::scope(|threads| {
+            threads.spawn(|| server.accept(&self.listener));
+            while !stop() {
+                std::thread::sleep(TICK);
             }
+            self.site.jobs.close();
+            let since = Instant::now();
+            while self.site.jobs.busy() && since.elapsed() < GRACE {
+                std::thread::sleep(TICK);
+            }
+            server.close(&self.listener);
+        });
+    }
+
+    /// The answer to the bytes of one request, as a connection would get it; empty if these are none.
+    pub fn answered(&self, mut request: &[u8]) -> Vec<u8> {
+        let mut sent = Vec::new();
+        if let Ok(head) = request::Head::read(&mut request) {
+            let reply = match self.site.guard.path(&head) {
+                Ok(path) => routes::answer(&self.site, &head, path, &mut request),
+                Err(refusal) => reply::Reply::wrong(403, refusal.words()),
+            };
+            // A vector takes everything.
+            let _ = reply.send(&mut sent);
         }
-        self.site.jobs.stop();
-        let since = Instant::now();
-        while self.site.jobs.busy() && since.elapsed() < GRACE {
-            std::thread::sleep(TICK);
-        }
-        Ok(())
+        sent
     }
 }

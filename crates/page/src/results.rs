@@ -1,18 +1,24 @@
 //! Results: a folder for each, which appears as a whole, and what can be taken out of it.
 
-use crate::folder::{Working, ending, plain};
+use crate::folder::{Working, clean, ending, plain};
 use phisindy_phys::Sources;
 use phisindy_report::Folder;
 use phisindy_report::export::{
     EXPORTERS, Exporter, Subject, Writer, model_name, refusal, uses_largest_input,
 };
 use serde_json::{Value, json};
-use std::fs;
+use std::cmp::Reverse;
+use std::fs::{self, File};
+use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::time::UNIX_EPOCH;
+use std::time::{SystemTime, UNIX_EPOCH};
 
 /// Where results are, in the working folder.
 const RESULTS: &str = "results";
+/// The file in each that tells how it ended.
+const RESULT: &str = "result.json";
+/// Most results that are shown.
+const SHOWN: usize = 200;
 /// Models that a result may hold, the best first.
 const MODELS: &[&str] = &["completed.ron", "identified.ron"];
 /// What a browser may take of a result.
@@ -29,18 +35,27 @@ pub(crate) fn keep(folder: &Path, stem: &str, what: &str, files: &Folder) -> Res
     }
     let part = all.join(format!(".{stem}-{what}.{}.part", std::process::id()));
     let written = || -> std::io::Result<String> {
+        clean(&all);
         let _ = fs::remove_dir_all(&part);
         fs::create_dir_all(&part)?;
         for (path, text) in &files.files {
             let path = part.join(path);
             path.parent().map_or(Ok(()), fs::create_dir_all)?;
-            fs::write(path, text)?;
+            let mut file = File::create_new(path)?;
+            file.write_all(text.as_bytes())?;
+            file.sync_all()?;
         }
         for k in 1.. {
             let name = format!("{stem}-{what}-{k}");
-            if !all.join(&name).exists() {
-                fs::rename(&part, all.join(&name))?;
-                return Ok(name);
+            let place = all.join(&name);
+            if place.symlink_metadata().is_ok() {
+                continue;
+            }
+            match fs::rename(&part, &place) {
+                Ok(()) => return Ok(name),
+                // Another program that works in this folder was faster.
+                Err(_) if place.symlink_metadata().is_ok() => {}
+                Err(why) => return Err(why),
             }
         }
         Err(std::io::Error::other("there are too many results"))
@@ -51,22 +66,30 @@ pub(crate) fn keep(folder: &Path, stem: &str, what: &str, files: &Folder) -> Res
     })
 }
 
-/// All results, the newest first: name, time, verdict.
+/// The newest results: name, time, verdict, laws.
 pub(crate) fn list(folder: &Working) -> Value {
     let entries = fs::read_dir(folder.path().join(RESULTS)).into_iter().flatten().flatten();
-    let mut all: Vec<(u64, Value)> = entries.filter_map(|entry| described(&entry.path())).collect();
-    all.sort_by_key(|(time, _)| std::cmp::Reverse(*time));
-    all.into_iter().map(|(_, told)| told).collect()
+    let mut all: Vec<(SystemTime, PathBuf)> = entries.filter_map(|entry| dated(entry.path())).collect();
+    all.sort_by_key(|(time, _)| Reverse(*time));
+    all.iter().take(SHOWN).filter_map(|(time, path)| described(*time, path)).collect()
 }
 
-fn described(path: &Path) -> Option<(u64, Value)> {
+/// A result, and when it was written.
+fn dated(path: PathBuf) -> Option<(SystemTime, PathBuf)> {
+    Some((fs::metadata(path.join(RESULT)).ok()?.modified().ok()?, path))
+}
+
+fn described(time: SystemTime, path: &Path) -> Option<Value> {
     let name = path.file_name()?.to_str().filter(|name| plain(name))?;
-    let file = path.join("result.json");
-    let changed = fs::metadata(&file).ok()?.modified().ok()?.duration_since(UNIX_EPOCH).ok()?;
-    let result: Value = serde_json::from_str(&fs::read_to_string(file).ok()?).ok()?;
-    let ended = result["verdict"].as_str().or(result["status"].as_str()).unwrap_or("");
-    let told = json!({ "name": name, "title": result["title"], "ended": ended, "time": changed.as_secs() });
-    Some((changed.as_millis().try_into().ok()?, told))
+    let result: Value = serde_json::from_str(&fs::read_to_string(path.join(RESULT)).ok()?).ok()?;
+    let ended = result["verdict"].as_str().or(result["status"].as_str()).unwrap_or_default();
+    let laws: Vec<&Value> =
+        result["steps"].as_array().into_iter().flatten().map(|step| &step["name"]).collect();
+    let time = time.duration_since(UNIX_EPOCH).ok()?.as_secs();
+    Some(json!({
+        "name": name, "title": result["title"], "ended": ended, "laws": laws, "time": time,
+        "stopped": !matches!(result["stopped"], Value::Null | Value::Bool(false)),
+    }))
 }
 
 /// The path of a file of a result, `NAME/FILE` or `NAME/figures/FILE`.

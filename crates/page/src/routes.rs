@@ -1,18 +1,16 @@
 //! Which request is answered by what.
 
-use crate::folder::{LARGEST_SPEC, ending};
+use crate::folder::{LARGEST_SPEC, Place, Unwritten, ending};
 use crate::jobs::What;
-use crate::reply::{COMMON, Reply};
+use crate::reply::Reply;
+use crate::request::Head;
 use crate::site::Site;
 use crate::{check, columns, results};
 use phisindy::files::spec_text;
 use serde_json::{Value, json};
-use std::io::{self, Read, Write};
-use std::time::Duration;
-use tiny_http::{Method, Request};
+use std::io::Read;
+use std::sync::{MutexGuard, PoisonError};
 
-/// The page: one file, without anything from elsewhere.
-const PAGE: &str = include_str!("page.html");
 /// Largest data file that can be dropped (bytes); a larger one is put into the folder by hand.
 const LARGEST_DATA: u64 = 4 << 30;
 /// Endings of data files that a spec can be drafted from.
@@ -20,32 +18,36 @@ const DATA: &[&str] = &[
     "csv", "txt", "dat", "tsv", "asc", "xlsx", "xlsb", "xls", "ods", "mat", "npy", "npz", "tdms", "uff",
     "unv", "h5", "hdf5", "parquet",
 ];
-/// Interval between events while nothing happens, so that a closed page is noticed.
-const PULSE: Duration = Duration::from_secs(5);
 
-/// A request that may ask: what stands behind its path, its query, its body.
+/// A request that may ask: what stands behind its path, its head, its body.
 struct Asked<'a> {
     site: &'a Site,
     query: &'a str,
+    head: &'a Head,
     body: &'a mut dyn Read,
 }
 
 type Handler = fn(&mut Asked<'_>) -> Result<Reply, String>;
 
-/// Method, path, and what answers; a new request is a new row.
-const ROUTES: &[(Method, &str, Handler)] = &[
-    (Method::Get, "", |_| Ok(Reply::page(PAGE))),
-    (Method::Get, "api/state", state),
-    (Method::Post, "api/data", |asked| {
-        let name = asked.site.folder.add(&asked.word("name")?, asked.body, LARGEST_DATA)?;
-        Ok(Reply::json(&json!({ "name": name })))
+/// Method, path, the longest body, and what answers; a new request is a new row.
+const ROUTES: &[(&str, &str, u64, Handler)] = &[
+    ("GET", "", 0, |_| Ok(Reply::page("page.html", include_str!("page.html")))),
+    ("GET", "page.css", 0, |_| Ok(Reply::page("page.css", include_str!("page.css")))),
+    ("GET", "page.js", 0, |_| Ok(Reply::page("page.js", include_str!("page.js")))),
+    ("GET", "api/state", 0, state),
+    ("GET", "api/now", 0, |asked| {
+        let Site { folder, jobs, .. } = asked.site;
+        let version = asked.spec().ok().and_then(|name| folder.version(&name));
+        Ok(Reply::json(&json!({ "job": jobs.now(), "version": version })))
     }),
-    (Method::Post, "api/look", |asked| {
+    ("POST", "api/data", LARGEST_DATA, |asked| asked.kept(LARGEST_DATA, &asked.word("name")?, Place::Beside)),
+    ("POST", "api/look", LARGEST_SPEC, |asked| {
         let name = asked.word("name")?;
         let wishes = serde_json::from_str(&asked.text()?).unwrap_or(Value::Null);
         // Rows per second, where the user says it in place of times.
         let rate =
             asked.word("rate").ok().and_then(|word| word.parse().ok()).filter(|rate: &f64| rate.is_normal());
+        let _turn = asked.turn();
         Ok(Reply::json(&columns::look(
             &asked.site.folder.file(&name)?,
             &name,
@@ -53,71 +55,69 @@ const ROUTES: &[(Method, &str, Handler)] = &[
             rate.filter(|r| *r > 0.0),
         )))
     }),
-    (Method::Get, "api/spec", |asked| {
-        let text = spec_text(&asked.site.folder.file(&asked.spec()?)?).map_err(|d| d.message)?;
-        Ok(Reply::json(&json!({ "text": text })))
-    }),
-    (Method::Post, "api/spec", |asked| {
+    ("GET", "api/spec", 0, |asked| {
         let name = asked.spec()?;
-        asked.site.folder.write(&name, asked.body, LARGEST_SPEC)?;
-        Ok(Reply::json(&json!({ "name": name })))
+        let path = asked.site.folder.file(&name)?;
+        // A version that is older than the text is found to be so when the text is saved.
+        let version = asked.site.folder.version(&name).unwrap_or_default();
+        let text = spec_text(&path).map_err(|d| d.message)?;
+        Ok(Reply::json(&json!({ "text": text, "version": version })).of_version(&version))
     }),
-    (Method::Post, "api/new-spec", |asked| {
-        let name = asked.spec()?;
-        Ok(Reply::json(&json!({ "name": asked.site.folder.add(&name, asked.body, LARGEST_SPEC)? })))
+    ("POST", "api/spec", LARGEST_SPEC, |asked| {
+        let known = asked.head.header("if-match").unwrap_or_default();
+        // A page that closes cannot be asked.
+        let beside = asked.word("beside").is_ok();
+        let place = if beside { Place::OverOrBeside(known) } else { Place::Over(known) };
+        asked.kept(LARGEST_SPEC, &asked.spec()?, place)
     }),
-    (Method::Post, "api/check", |asked| {
+    ("POST", "api/new-spec", LARGEST_SPEC, |asked| asked.kept(LARGEST_SPEC, &asked.spec()?, Place::Beside)),
+    ("POST", "api/check", LARGEST_SPEC, |asked| {
         let path = asked.site.folder.file(&asked.spec()?)?;
-        Ok(Reply::json(&check::check(&path, &asked.text()?, &asked.site.request)))
+        let text = asked.text()?;
+        let _turn = asked.turn();
+        Ok(Reply::json(&check::check(&path, &text, &asked.site.request)))
     }),
-    (Method::Post, "api/start", |asked| {
+    ("POST", "api/start", 0, |asked| {
         let what = asked.word("what")?;
         let what = What::named(&what).ok_or_else(|| format!("`{what}` cannot be started"))?;
         let Site { jobs, folder, request, .. } = asked.site;
         jobs.start(folder, request, &asked.spec()?, what)?;
         Ok(Reply::json(&json!({ "started": true })))
     }),
-    (Method::Post, "api/stop", |asked| {
+    ("POST", "api/stop", 0, |asked| {
         asked.site.jobs.stop();
         Ok(Reply::json(&json!({ "stopped": true })))
     }),
-    (Method::Get, "api/export", |asked| {
+    ("GET", "api/export", 0, |asked| {
+        let _turn = asked.turn();
         let (file, text) = results::exported(&asked.site.folder, &asked.word("result")?, &asked.word("to")?)?;
         Ok(Reply::file(file, text.into_bytes()).kept_as(file))
     }),
 ];
 
-/// Answers a request.
-pub(crate) fn answer(site: &Site, mut request: Request) {
-    let path = match site.guard.path(&request) {
-        Ok(path) => path.to_owned(),
-        Err(refusal) => {
-            let _ = Reply::wrong(403, refusal.words()).send(request);
-            return;
-        }
-    };
-    let (path, query) = path.split_once('?').unwrap_or((&path, ""));
-    if *request.method() == Method::Get && path == "api/events" {
-        // It ends when the page is closed.
-        let _ = events(site, request);
-        return;
+/// The answer to a request that may ask; `path` stands behind its token.
+pub(crate) fn answer(site: &Site, head: &Head, path: &str, from: &mut dyn Read) -> Reply {
+    let (path, query) = path.split_once('?').unwrap_or((path, ""));
+    if let ("GET", Some(file)) = (head.method.as_str(), path.strip_prefix("results/")) {
+        return result_file(site, file, query);
     }
-    let reply = if let (Method::Get, Some(file)) = (request.method(), path.strip_prefix("results/")) {
-        result_file(site, file, query)
-    } else {
-        let method = request.method().clone();
-        let found = ROUTES.iter().find(|(m, p, _)| *m == method && *p == path);
-        let mut asked = Asked { site, query, body: request.as_reader() };
-        match found {
-            Some((_, _, handler)) => handler(&mut asked).unwrap_or_else(|why| Reply::wrong(400, &why)),
-            None => Reply::wrong(404, "there is nothing here"),
-        }
+    let Some((method, _, most, handler)) =
+        ROUTES.iter().find(|(method, own, ..)| *method == head.method && *own == path)
+    else {
+        return Reply::wrong(404, "there is nothing here");
     };
-    // Nobody is left to tell if the browser has gone.
-    let _ = reply.send(request);
+    match head.length() {
+        None if *method == "POST" => return Reply::wrong(411, "the length of what is sent must be said"),
+        Some(length) if length > *most => {
+            return Reply::wrong(413, &format!("this is too long: at most {most} bytes are taken"));
+        }
+        _ => {}
+    }
+    let mut asked = Asked { site, query, head, body: &mut head.body(from) };
+    handler(&mut asked).unwrap_or_else(|why| Reply::wrong(400, &why))
 }
 
-impl Asked<'_> {
+impl<'a> Asked<'a> {
     /// A value of the query.
     fn word(&self, key: &str) -> Result<String, String> {
         value(self.query, key).ok_or_else(|| format!("`{key}` is missing"))
@@ -133,11 +133,29 @@ impl Asked<'_> {
         }
     }
 
-    /// The body as text, no longer than a spec may be.
+    /// The body as text.
     fn text(&mut self) -> Result<String, String> {
-        let (mut text, body) = (String::new(), &mut *self.body);
-        let read = body.take(LARGEST_SPEC + 1).read_to_string(&mut text).map_err(|why| why.to_string())?;
-        if read as u64 > LARGEST_SPEC { Err("this text is too long".to_owned()) } else { Ok(text) }
+        let mut text = String::new();
+        self.body.read_to_string(&mut text).map_err(|why| why.to_string())?;
+        Ok(text)
+    }
+
+    /// Keeps the body as a file.
+    fn kept(&mut self, most: u64, name: &str, place: Place<'_>) -> Result<Reply, String> {
+        match self.site.folder.write(name, self.body, most, place) {
+            Ok((name, version)) => {
+                Ok(Reply::json(&json!({ "name": name, "version": version })).of_version(&version))
+            }
+            Err(Unwritten::Because(why)) => Err(why),
+            Err(Unwritten::Changed) => {
+                Ok(Reply::wrong(412, &format!("`{name}` was changed elsewhere: nothing is written")))
+            }
+        }
+    }
+
+    /// Waits for others whose answer takes much memory too.
+    fn turn(&self) -> MutexGuard<'a, ()> {
+        self.site.turn.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -160,23 +178,6 @@ fn result_file(site: &Site, file: &str, query: &str) -> Reply {
         }
         Ok(bytes) => Reply::file(&decoded, bytes),
         Err(why) => Reply::wrong(404, &why),
-    }
-}
-
-/// Sends the state of the work whenever it changes, as server-sent events, until nobody listens.
-fn events(site: &Site, request: Request) -> io::Result<()> {
-    let mut out = request.into_writer();
-    write!(out, "HTTP/1.1 200 OK\r\nContent-Type: text/event-stream\r\nConnection: close\r\n")?;
-    for (name, value) in COMMON {
-        write!(out, "{name}: {value}\r\n")?;
-    }
-    write!(out, "\r\n")?;
-    let mut version = None;
-    loop {
-        let (now, state) = site.jobs.after(version, PULSE);
-        version = Some(now);
-        write!(out, "data: {state}\n\n")?;
-        out.flush()?;
     }
 }
 

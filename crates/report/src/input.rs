@@ -43,10 +43,10 @@ pub struct Ending {
 }
 
 impl Ending {
-    /// `stopped by Ctrl-C` for work that ended early.
+    /// `stopped by you` for work that ended early.
     pub(crate) fn stopped_words(&self) -> Option<String> {
         self.stopped.map(|reason| match reason {
-            StopReason::Interrupt => "stopped by Ctrl-C".to_owned(),
+            StopReason::Interrupt => "stopped by you".to_owned(),
             limit => format!("stopped: {limit}"),
         })
     }

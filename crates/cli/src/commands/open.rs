@@ -6,9 +6,10 @@ use crate::terminal::{print, remark};
 use anyhow::{Context, Result};
 use phisindy::files::Request;
 use phisindy_page::Page;
-use std::io::{self, IsTerminal};
+use std::io::{self, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
+use tempfile::NamedTempFile;
 
 /// Serves the page until Ctrl-C, and returns the exit code.
 ///
@@ -27,10 +28,13 @@ pub(crate) fn open(args: &OpenArgs, options: &Options) -> Result<u8> {
         remark(&format!("the page works in `{shown}`; end it with Ctrl-C, nothing is lost"));
     }
     // In a pipe another program takes the address.
-    if !args.no_open && io::stdout().is_terminal() && !shown_in_browser(&page.url()) && !options.quiet {
+    let wanted = !args.no_open && io::stdout().is_terminal();
+    let way = if wanted { way_to(&page.url(), &folder) } else { None };
+    let opened = way.as_ref().is_some_and(|way| shown_in_browser(way.path()));
+    if wanted && !opened && !options.quiet {
         remark("no browser could be started: open the address above in one");
     }
-    page.serve(&interrupt::requested).context("the page has ended")?;
+    page.serve(&interrupt::requested);
     Ok(0)
 }
 
@@ -46,7 +50,21 @@ fn place(path: Option<&Path>) -> Result<(PathBuf, Option<String>)> {
     Ok((folder.to_owned(), name))
 }
 
-/// Programs that open an address in the browser of the user, with the words before it.
+/// A file that leads a browser to an address, until it is dropped. Only the user can read it, while every user
+/// of the machine sees the arguments of a program, and with them the token. It is in the working folder, for
+/// some browsers see no temporary files of others.
+fn way_to(url: &str, folder: &Path) -> Option<NamedTempFile> {
+    let mut way =
+        tempfile::Builder::new().prefix("phisindy-open-").suffix(".html").tempfile_in(folder).ok()?;
+    let page = format!(
+        "<!doctype html><meta charset=\"utf-8\"><meta name=\"referrer\" content=\"no-referrer\">\
+         <meta http-equiv=\"refresh\" content=\"0; url={url}\"><title>phisindy</title>\n"
+    );
+    way.write_all(page.as_bytes()).and_then(|()| way.flush()).ok()?;
+    Some(way)
+}
+
+/// Programs that open a page in the browser of the user, with the words before it.
 const BROWSERS: &[&[&str]] = &[
     #[cfg(target_os = "macos")]
     &["open"],
@@ -57,10 +75,10 @@ const BROWSERS: &[&[&str]] = &[
 ];
 
 /// Whether a browser was started.
-fn shown_in_browser(url: &str) -> bool {
+fn shown_in_browser(page: &Path) -> bool {
     BROWSERS.iter().any(|words| {
         let mut command = Command::new(words[0]);
-        command.args(&words[1..]).arg(url).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+        command.args(&words[1..]).arg(page).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
         command.spawn().is_ok()
     })
 }

@@ -38,14 +38,12 @@ fn columns(draft: &Draft) -> Vec<String> {
         "{:width$} {:>11} {:>11} {:>11} {:>10} {:>10}  what it is taken for",
         "column", "min", "max", "std", "noise", "frequency"
     );
-    let time = draft.factor(draft.time.column);
     let none = || "-".to_owned();
     let row = |(k, column): (usize, &crate::table::Column)| {
         let statistics = &draft.statistics[k];
         let is_time = k == draft.time.column;
         let noise = if is_time || statistics.noise == 0.0 { none() } else { four_digits(statistics.noise) };
-        let line = statistics.line.filter(|l| !is_time && l.share > 0.1);
-        let frequency = line.map_or_else(none, |l| format!("{} Hz", four_digits(l.frequency / time)));
+        let frequency = draft.frequency(k).map_or_else(none, |f| format!("{} Hz", four_digits(f)));
         let (min, max) = if statistics.min <= statistics.max {
             (four_digits(statistics.min), four_digits(statistics.max))
         } else {

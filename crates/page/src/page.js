@@ -1,0 +1,353 @@
+"use strict";
+const $ = id => document.getElementById(id);
+// The address ends with the token, so that every request beside it has it.
+const base = location.pathname.replace(/[^/]*$/, "");
+const at = (path, query) => base + path + (query ? "?" + Object.entries(query).map(([k, v]) => k + "=" + encodeURIComponent(v)).join("&") : "");
+const page = { data: null, look: null, spec: null, saved: null, version: "", conflict: false, saving: Promise.resolve(), checked: 0, job: null, languages: [], ok: false, open: false, running: false, gone: false };
+const isSpec = name => /\.ron$/i.test(name);
+
+async function ask(path, query, body, headers) {
+  const method = body === undefined ? "GET" : "POST";
+  let answer;
+  try { answer = await fetch(at(path, query), { method, body, headers }); }
+  catch { throw new Error("the program does not answer: start `phisindy open` again if it has ended; nothing is lost"); }
+  const told = await answer.json();
+  if (!answer.ok) throw Object.assign(new Error(told.error), { status: answer.status });
+  return told;
+}
+const tell = why => { $("problem").textContent = why ? (why.message || why) : ""; };
+const guarded = work => async (...all) => { try { tell(""); return await work(...all); } catch (why) { tell(why); } };
+function made(tag, text, set) {
+  const e = document.createElement(tag);
+  if (text !== undefined) e.textContent = text;
+  return Object.assign(e, set || {});
+}
+const short = x => x === null || x === undefined ? "" : (x === 0 ? "0" : (Math.abs(x) >= 1e5 || Math.abs(x) < 1e-3) ? x.toExponential(2) : String(+x.toPrecision(4)));
+
+// The folder.
+async function folder() {
+  const state = await ask("api/state");
+  page.languages = state.languages;
+  $("where").textContent = state.folder;
+  document.title = "phisindy - " + state.folder.split(/[\\/]/).pop();
+  const list = (id, all, open) => $(id).replaceChildren(...(all.length ? all.map(open) : [made("li", "none yet", { className: "soft" })]));
+  const link = (name, open) => made("button", name, { type: "button", className: "link", onclick: guarded(() => open(name)) });
+  const item = open => name => { const li = made("li"); li.append(link(name, open)); return li; };
+  list("specs", state.specs, item(openSpec));
+  list("datas", state.data, item(openData));
+  list("results", state.results, result => {
+    const li = made("li");
+    const how = result.ended + (result.stopped ? ", stopped by you" : "") + (result.laws.length ? ": " + result.laws.join(", ") : "");
+    li.append(link(result.name, showResult), made("div", result.title), made("div", how, { className: "soft" }), made("div", new Date(1000 * result.time).toLocaleString(), { className: "soft" }));
+    return li;
+  });
+  return state;
+}
+
+// 1. Data.
+async function taken(files) {
+  const names = [], wrong = [];
+  for (const [k, file] of [...files].entries()) {
+    $("data-name").textContent = "reading " + file.name + (files.length > 1 ? " (" + (k + 1) + " of " + files.length + ")" : "") + " ...";
+    try { names.push((await ask(isSpec(file.name) ? "api/new-spec" : "api/data", { name: file.name }, file)).name); }
+    catch (why) { wrong.push(file.name + ": " + why.message); }
+  }
+  $("data-name").textContent = page.data || "";
+  await folder();
+  const [spec, data] = [names.find(isSpec), names.find(name => !isSpec(name))];
+  if (data) await openData(data);
+  if (spec) await openSpec(spec);
+  if (wrong.length) throw new Error(wrong.join("; "));
+}
+async function openData(name) {
+  page.data = name;
+  page.rate = "";
+  $("data-name").textContent = name;
+  showColumns(await ask("api/look", { name }, "null"));
+}
+function showColumns(look) {
+  $("seen").hidden = false;
+  const mistakes = look.diagnostics.filter(d => d.error);
+  $("data-mistake").textContent = mistakes.map(d => [d.message, ...d.help].join(" - ")).join("\n");
+  $("write").disabled = mistakes.length > 0;
+  if (!look.columns) return;
+  page.look = look;
+  $("rate-row").hidden = !look.counted;
+  $("rate").value = look.rate;
+  $("summary").replaceChildren(...look.summary.map(line => made("p", line)));
+  const time = look.columns.find(c => c.role === "time");
+  $("curves-of").textContent = "Curves of " + look.name + " over time (" + (time && time.unit || "s") + ")";
+  $("curves").replaceChildren(...look.preview.map(curve));
+  $("columns").replaceChildren(...look.columns.map(column => columnRow(column, look.roles)));
+}
+function columnRow(column, roles) {
+  const row = made("tr");
+  const cell = (content, className) => { const td = made("td", undefined, { className: className || "" }); td.append(content); row.append(td); };
+  const role = made("select", undefined, { ariaLabel: "what " + column.heading + " is" });
+  role.append(...roles.map(r => made("option", r.words, { value: r.id, selected: r.id === column.role })));
+  const unit = made("input", undefined, { value: column.unit || "", ariaLabel: "unit of " + column.heading });
+  row.dataset.heading = column.heading;
+  role.onchange = guarded(() => { unit.value = ""; return reassign(); });
+  unit.onchange = guarded(reassign);
+  cell(column.heading); cell(role); cell(unit);
+  for (const key of ["min", "max", "noise"]) cell(key === "noise" && column.role === "time" ? "" : short(column[key]), "number");
+  cell(column.frequency ? short(column.frequency) + " Hz" : "", "number");
+  cell(column.usage);
+  return row;
+}
+async function reassign() {
+  const said = [...$("columns").rows].map(row => ({ heading: row.dataset.heading, role: row.querySelector("select").value, unit: row.querySelector("input").value.trim() }));
+  showColumns(await ask("api/look", { name: page.data, rate: page.rate }, JSON.stringify(said)));
+}
+$("rate").onchange = guarded(() => { page.rate = $("rate").value.trim(); return reassign(); });
+function curve(c) {
+  const W = 900, H = 110, left = 8, points = c.points.filter(p => p[1] !== null);
+  const box = document.createElement("div");
+  if (!points.length) return box;
+  const xs = points.map(p => p[0]), ys = points.map(p => p[1]);
+  const [x0, x1] = [Math.min(...xs), Math.max(...xs)], [y0, y1] = [Math.min(...ys), Math.max(...ys)];
+  const X = x => left + (W - 2 * left) * (x - x0) / ((x1 - x0) || 1), Y = y => H - 22 - (H - 40) * (y - y0) / ((y1 - y0) || 1);
+  const ns = "http://www.w3.org/2000/svg", svg = document.createElementNS(ns, "svg");
+  svg.setAttribute("viewBox", `0 0 ${W} ${H}`); svg.setAttribute("width", "100%"); svg.setAttribute("role", "img");
+  svg.setAttribute("aria-label", `${c.heading} against time, from ${short(y0)} to ${short(y1)}`);
+  const put = (tag, set, text) => { const e = document.createElementNS(ns, tag); for (const k in set) e.setAttribute(k, set[k]); if (text) e.textContent = text; svg.append(e); };
+  put("text", { x: left, y: 12 }, `${c.heading}, from ${short(y0)} to ${short(y1)} ${c.unit || ""}`);
+  put("polyline", { points: points.map(p => X(p[0]).toFixed(1) + "," + Y(p[1]).toFixed(1)).join(" "), fill: "none", stroke: "var(--blue)", "stroke-width": 1.3 });
+  put("text", { x: left, y: H - 4 }, short(x0)); put("text", { x: W - left, y: H - 4, "text-anchor": "end" }, short(x1));
+  box.append(svg);
+  return box;
+}
+
+// 2. The model: a line of the text is a block, a mistake stands below its line.
+const code = $("code");
+function setText(text) {
+  code.replaceChildren(...text.replace(/\n$/, "").split("\n").map(line => { const div = made("div", line); if (!line) div.append(made("br")); return div; }));
+}
+function blocks() { return [...code.childNodes].map(node => [node, node.nodeName === "BR" ? "" : node.textContent.replace(/\n$/, "")]); }
+function text() { return blocks().map(([, line]) => line).join("\n").replace(/\u00a0/g, " ") + "\n"; }
+const dirty = () => page.spec !== null && text() !== page.saved;
+async function openSpec(name) {
+  while (dirty()) await save();
+  const told = await ask("api/spec", { name });
+  // What was typed meanwhile comes first.
+  if (dirty()) return openSpec(name);
+  Object.assign(page, { spec: name, version: told.version });
+  $("spec-name").textContent = name;
+  code.hidden = false;
+  setText(told.text);
+  page.saved = text();
+  await checked();
+}
+// One after the other: each save names the version that the one before has made.
+function save() {
+  clearTimeout(page.timer);
+  return page.saving = page.saving.catch(() => {}).then(saved);
+}
+async function saved() {
+  if (page.conflict) throw new Error("`" + page.spec + "` was changed elsewhere: say below what is to become of your text");
+  const now = text();
+  if (page.spec === null || now === page.saved) return;
+  try { page.version = (await ask("api/spec", { name: page.spec }, now, { "If-Match": page.version })).version; }
+  catch (why) { if (why.status === 412) conflict(true); throw why; }
+  page.saved = now;
+}
+function conflict(is) {
+  page.conflict = is;
+  $("conflict").hidden = !is;
+  $("conflict-name").textContent = page.spec;
+  buttons();
+}
+$("keep-mine").onclick = guarded(async () => {
+  const now = text(), told = await ask("api/new-spec", { name: page.spec }, now);
+  Object.assign(page, { spec: told.name, version: told.version, saved: now });
+  $("spec-name").textContent = told.name;
+  conflict(false);
+  await folder();
+  await checked();
+});
+$("take-other").onclick = guarded(async () => { page.saved = text(); conflict(false); await openSpec(page.spec); });
+async function checked() {
+  const turn = ++page.checked;
+  const told = await ask("api/check", { name: page.spec }, text());
+  if (turn !== page.checked) return;
+  page.ok = told.ok; page.open = told.open;
+  mark(told.diagnostics);
+  const errors = told.diagnostics.filter(d => d.error).length, warnings = told.diagnostics.length - errors;
+  const count = (n, word) => n + " " + word + (n === 1 ? "" : "s");
+  $("told").textContent = errors ? count(errors, "mistake") : "no mistakes" + (warnings ? ", " + count(warnings, "warning") : "");
+  $("told").className = errors ? "wrong" : "soft";
+  buttons();
+}
+function mark(diagnostics) {
+  const all = blocks(), lines = [], ranges = [], others = [];
+  for (const [node, line] of all) for (const part of line.split("\n")) lines.push([node, part]);
+  for (const [node] of all) if (node.dataset) { delete node.dataset.told; node.classList.remove("doubt"); }
+  for (const d of diagnostics) {
+    const words = [d.message + (d.place && d.place.words ? ": " + d.place.words : ""), ...d.help.map(h => "  " + h)];
+    const there = d.place && !d.place.file && lines[d.place.line - 1];
+    if (!there || !there[0].dataset) { others.push((d.place ? (d.place.file || "") + ":" + d.place.line + ": " : "") + words.join(" -")); continue; }
+    const indent = " ".repeat(Math.max(0, d.place.column - 1));
+    const caret = indent + "^".repeat(Math.min(d.place.length, 60)) + " ";
+    const under = caret + words[0] + words.slice(1).map(w => "\n" + indent + w).join("");
+    there[0].dataset.told = there[0].dataset.told ? there[0].dataset.told + "\n" + under : under;
+    there[0].classList.toggle("doubt", !d.error);
+    const leaf = there[0].firstChild, from = d.place.column - 1;
+    if (leaf && leaf.nodeType === 3 && from < leaf.length) {
+      const range = document.createRange();
+      range.setStart(leaf, from); range.setEnd(leaf, Math.min(leaf.length, from + d.place.length));
+      ranges.push(range);
+    }
+  }
+  if (window.CSS && CSS.highlights) CSS.highlights.set("mistake", new Highlight(...ranges));
+  $("others").replaceChildren(...others.map(words => made("li", words, { className: "wrong" })));
+}
+code.addEventListener("input", () => {
+  // Deleting everything leaves no block.
+  if (!code.firstElementChild) { setText(code.textContent); }
+  clearTimeout(page.timer);
+  page.ok = false; buttons();
+  page.timer = setTimeout(guarded(async () => { await save(); await checked(); }), 400);
+});
+code.addEventListener("paste", event => {
+  event.preventDefault();
+  document.execCommand("insertText", false, event.clipboardData.getData("text/plain"));
+});
+code.addEventListener("keydown", event => {
+  if (event.key === "Tab" && !event.shiftKey && !event.ctrlKey) { event.preventDefault(); document.execCommand("insertText", false, "    "); }
+});
+$("write").onclick = guarded(async () => {
+  const told = await ask("api/new-spec", { name: page.data.replace(/\.[^.]*$/, "") + ".ron" }, page.look.spec);
+  await folder();
+  await openSpec(told.name);
+});
+
+// 3. The answer.
+function buttons() {
+  $("gap").disabled = !page.spec || !page.ok || page.running || page.conflict;
+  $("run").disabled = $("gap").disabled || !page.open;
+  $("stop").hidden = !page.running;
+}
+const start = what => guarded(async () => {
+  await save();
+  await ask("api/start", { name: page.spec, what }, "");
+  $("answer").hidden = true;
+  await watch();
+});
+$("gap").onclick = start("gap");
+$("run").onclick = start("run");
+$("stop").onclick = guarded(() => ask("api/stop", {}, ""));
+function working(job) {
+  page.running = job.running;
+  buttons();
+  $("work").hidden = !job.job;
+  if (!job.job) return;
+  const what = (job.what === "gap" ? "what is missing in " : "candidates of ") + job.spec, took = job.seconds.toFixed(1) + " s";
+  $("bar").hidden = !job.running;
+  $("bar").value = job.fraction;
+  const stopped = job.ended && job.ended.stopped;
+  $("line").textContent = job.running ? took + ", " + (job.stopping ? "stopping; " : "") + job.activity : what + (stopped ? ": stopped by you after " : ": ") + took;
+  if (job.running) $("answer-name").textContent = what;
+  if (job.ended && page.job !== job.job) {
+    page.job = job.job;
+    ended(job);
+  }
+}
+const ended = guarded(async job => {
+  const how = job.ended;
+  await folder();
+  if (how.lacks) tell(how.lacks);
+  if (how.result) return showResult(how.result);
+  if (how.diagnostics) { mark(how.diagnostics); throw new Error("the spec has mistakes"); }
+  throw new Error([how.error, how.help].filter(Boolean).join(" - "));
+});
+async function showResult(name) {
+  const result = await ask("results/" + encodeURIComponent(name) + "/result.json");
+  $("answer").hidden = false;
+  $("answer-name").textContent = name;
+  const gap = result.status !== undefined;
+  const finding = gap ? findingOfGap(result) : result.verdict + (result.reason ? ": " + result.reason : "");
+  $("finding").textContent = result.stopped ? "Stopped by you; found so far: " + finding : finding;
+  $("gaps").replaceChildren(...(gap ? bars(result) : []));
+  $("numbers").replaceChildren(numbers(result, gap));
+  const file = (path, words, query) => made("a", words, { href: at("results/" + encodeURIComponent(name) + "/" + path, query) });
+  const model = gap ? "completed.ron" : "identified.ron";
+  $("downloads").replaceChildren("Download:", file("report.html", "report", { keep: 1 }), file(model, model, { keep: 1 }), file("result.json", "numbers", { keep: 1 }),
+    ...page.languages.map(l => made("a", "model: " + l.id, { href: at("api/export", { result: name, to: l.id }), title: l.about })));
+  const open = file("report.html", "open the report alone");
+  open.target = "_blank"; open.rel = "noopener";
+  $("downloads").append(open);
+  $("report").src = at("results/" + encodeURIComponent(name) + "/report.html");
+  $("answer").scrollIntoView({ block: "nearest" });
+}
+function findingOfGap(result) {
+  const names = result.steps.map(s => s.name + " at " + s.at).join(", ");
+  if (result.status === "nothing-missing") return "Nothing is missing: what is left is noise.";
+  return result.status[0].toUpperCase() + result.status.slice(1) + (names ? ": " + names : "");
+}
+const shown = gap => gap.validate === null || gap.validate === undefined ? gap.fit : gap.validate;
+function bars(result) {
+  const rows = [["as it was", shown(result.initial)]];
+  for (const step of result.steps) { const v = step.validate && step.validate.after; rows.push(["+ " + step.name, v === null || v === undefined ? step.fit.after : v]); }
+  const most = Math.log(Math.max(...rows.map(r => r[1]), 2) / 0.5);
+  return rows.flatMap(([words, value], k) => {
+    const bar = made("i", undefined, { className: k ? "" : "before" });
+    bar.style.width = Math.max(1, 100 * Math.log(Math.max(value, 0.51) / 0.5) / most) + "%";
+    return [made("span", words), bar, made("span", short(value))];
+  });
+}
+function numbers(result, gap) {
+  const table = made("table"), row = (tag, cells) => { const tr = made("tr"); tr.append(...cells.map(c => made(tag, c))); return tr; };
+  const box = made("div", undefined, { className: "scroll" });
+  table.append(row("th", ["number", "value", "95 % interval", "unit"]));
+  const interval = ci => ci && ci.length === 2 ? "[" + short(ci[0]) + ", " + short(ci[1]) + "]" : "";
+  if (gap) for (const step of result.steps) for (const [name, p] of Object.entries(step.parameters)) table.append(row("td", [name, short(p.value), interval(p.ci95), p.unit || ""]));
+  else for (const e of result.equations) for (const t of e.terms) table.append(row("td", [t.candidate + " in " + e.state + "'", short(t.coefficient), interval(t.ci95), t.unit || ""]));
+  // The numbers of a law stand among the parameters again.
+  const seen = new Set(gap ? result.steps.flatMap(s => Object.keys(s.parameters)) : []);
+  for (const p of result.parameters) if (!seen.has(p.name)) table.append(row("td", [p.name, short(p.value), interval(p.ci95), p.unit || ""]));
+  box.append(table);
+  const doubts = [...(result.doubts || []), ...(result.warnings || [])];
+  if (doubts.length) {
+    const more = made("details", undefined, { open: doubts.length < 4 }), list = made("ul");
+    list.append(...doubts.map(w => made("li", w)));
+    more.append(made("summary", doubts.length === 1 ? "1 remark" : doubts.length + " remarks"), list);
+    box.append(more);
+  }
+  return box;
+}
+
+// A file is dropped anywhere.
+const over = on => event => { event.preventDefault(); $("drop").classList.toggle("over", on); };
+addEventListener("dragover", over(true));
+addEventListener("dragleave", over(false));
+addEventListener("drop", event => { over(false)(event); if (event.dataTransfer.files.length) guarded(taken)(event.dataTransfer.files); });
+$("choose").onclick = () => $("file").click();
+$("file").onchange = guarded(async () => { const files = [...$("file").files]; $("file").value = ""; await taken(files); });
+// The text is saved beside the file if that was changed elsewhere. A browser takes no long text from a page that closes: there it asks.
+addEventListener("beforeunload", event => {
+  if (!dirty()) return;
+  const body = new Blob([text()]);
+  if (body.size > 60000) return event.preventDefault();
+  fetch(at("api/spec", { name: page.spec, beside: 1 }), { method: "POST", body, keepalive: true, headers: { "If-Match": page.version } });
+});
+
+// Looks at the work, and at the spec: an editor may change it too.
+async function watch() {
+  clearTimeout(page.watch);
+  const version = page.version;
+  try {
+    const now = await ask("api/now", page.spec === null ? {} : { name: page.spec });
+    if (page.gone) tell("");
+    page.gone = false;
+    working(now.job);
+    const elsewhere = now.version && now.version !== version && version === page.version && !page.conflict;
+    if (elsewhere && !dirty()) await openSpec(page.spec);
+  } catch (why) { page.gone = true; tell(why); }
+  clearTimeout(page.watch);
+  page.watch = setTimeout(watch, page.running ? 250 : 1000);
+}
+guarded(async () => {
+  const state = await folder();
+  if (state.first) await (isSpec(state.first) ? openSpec(state.first) : openData(state.first));
+  await watch();
+})();
