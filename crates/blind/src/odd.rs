@@ -130,8 +130,8 @@ fn execution(program: &Program, seed: u64, index: usize, folder: &Path) -> Resul
     let mut dice = Dice::new(seed, &format!("odd {index}"));
     let command = Command::drawn(&mut dice);
     let rig = Rig::draw(&mut dice);
-    let known = matches!(command, Command::Simulate);
-    let mut written = Written::new(&rig, known, &mut dice);
+    let synthetic = matches!(command, Command::Simulate | Command::Journal) || dice.chance(0.3);
+    let mut written = Written::new(&rig, synthetic, command != Command::Simulate, &mut dice);
     if command == Command::Law {
         written.files.push(("laws/odd.ron".to_owned(), written::law(&mut dice).into_bytes()));
     }

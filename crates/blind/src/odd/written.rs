@@ -28,13 +28,12 @@ const NAMES: &[[&str; 3]] = &[
 pub(super) struct Written {
     pub(super) files: Vec<(String, Vec<u8>)>,
     names: &'static [&'static str; 3],
-    length: (&'static str, f64),
     unknown: String,
 }
 
 impl Written {
-    /// The spec of a rig whose friction is `known` and simulated, or unknown and in a data file.
-    pub(super) fn new(rig: &Rig, known: bool, dice: &mut Dice) -> Written {
+    /// The spec of a rig: its record is `synthetic` or in a data file, its friction unknown with a `dictionary` or known.
+    pub(super) fn new(rig: &Rig, synthetic: bool, dictionary: bool, dice: &mut Dice) -> Written {
         let names = dice.pick(NAMES);
         let length = *dice.pick(LENGTHS);
         let [x, v, k] = names;
@@ -61,18 +60,20 @@ impl Written {
             constants.push("\"nobody_asks_for_it\": (1e-300, \"kg\")".to_owned());
         }
         let friction = format!("{:?}*sgn({v})", rig.friction);
+        let truth = format!("\"{v}\": \"-{friction}\"");
         let (rate, truth) = match dice.chance(0.5) {
-            true if known => (format!("{spring} - {friction}"), String::new()),
-            _ => (spring, format!("\"{v}\": \"-{friction}\"")),
+            true if !dictionary => (format!("{spring} - {friction}"), String::new()),
+            _ => (spring, truth),
         };
         let more = dice.pick(&["", ", \"|V|\"", ", \"V^2\", \"|X|\""]).replace('V', v).replace('X', x);
         let unknown = format!("unknown: {{ \"{v}\": (factor: \"-sgn({v})\", candidates: [\"1\"{more}]) }}");
-        let (file, record) = if known {
+        let (file, read) = table(rig, names, dice);
+        let record = if synthetic {
             let start = format!("start: {{ \"{x}\": {:?}, \"{v}\": 0.0 }}", rig.size / length.1);
             let times = format!("duration: {:?}, step: {:?}", rig.step * rig.samples as f64, rig.step);
-            (vec![], format!("Synthetic(truth: {{ {truth} }}, {start}, {times})"))
+            format!("Synthetic(truth: {{ {truth} }}, {start}, {times})")
         } else {
-            table(rig, names, dice)
+            read
         };
         let mut fields = vec![
             format!("states: {{ \"{x}\": \"{}\", \"{v}\": \"{speed}\" }}", length.0),
@@ -81,7 +82,7 @@ impl Written {
             format!("contacts: [\"{v}\"]"),
             format!("data: [{record}]"),
         ];
-        if !known {
+        if dictionary {
             fields.push(unknown.clone());
         }
         if dice.chance(0.5) {
@@ -106,13 +107,8 @@ impl Written {
             fields.join(gap),
             dice.pick(&["", ","])
         );
-        let mut files = vec![(SPEC.to_owned(), spec.into_bytes())];
-        if known {
-            files.push((DATA.to_owned(), table(rig, names, dice).0));
-        } else {
-            files.push((DATA.to_owned(), file));
-        }
-        Written { files, names, length, unknown }
+        let files = vec![(SPEC.to_owned(), spec.into_bytes()), (DATA.to_owned(), file)];
+        Written { files, names, unknown }
     }
 
     /// Takes the dictionary out of the spec: the model is believed to be complete.
@@ -121,7 +117,7 @@ impl Written {
         *spec = String::from_utf8_lossy(spec).replace(&self.unknown, "learn: ()").into_bytes();
     }
 
-    /// What is wrong about simulated columns, if anything is.
+    /// What is wrong about simulated columns, which are in SI, if anything is.
     pub(super) fn simulated(&self, rig: &Rig, out: &str) -> Option<String> {
         let mut lines = out.lines();
         let heads: Vec<&str> = lines.next()?.split(',').collect();
@@ -131,8 +127,8 @@ impl Written {
             let Some(shown) = line.split(',').nth(column).and_then(|cell| cell.parse::<f64>().ok()) else {
                 return Some(format!("no number in row {k}: {line}"));
             };
-            let exact = rig.at(rig.step * k as f64).0 / self.length.1;
-            worst = worst.max((shown - exact).abs() * self.length.1 / rig.size.abs());
+            let exact = rig.at(rig.step * k as f64).0;
+            worst = worst.max((shown - exact).abs() / rig.size.abs());
         }
         (worst > 1e-6).then(|| format!("simulated motion is off by {worst:e} of its size"))
     }
