@@ -6,4 +6,5 @@ mod book;
 #[allow(dead_code)]
 mod common;
 mod hidden;
+mod odd;
 mod tables;

@@ -1,7 +1,7 @@
 //! What goes wrong around the program: full disks, folders that cannot be written, kills, pipes, files that
 //! are cut off or come from elsewhere. Nothing may hang, be half-written, or be lost without a word.
 #![allow(missing_docs)]
-#![cfg(unix)]
+#![cfg(target_os = "linux")]
 
 use crate::common::{self, Outcome, Scratch, phisindy, program};
 use serde_json::Value;

@@ -1,6 +1,7 @@
 //! What people see at a terminal, which `script` of util-linux stands for; pipes are tested everywhere else.
 
 #![allow(missing_docs)]
+#![cfg(target_os = "linux")]
 
 use crate::common::{self, Scratch, program};
 use std::io::{Read, Write};

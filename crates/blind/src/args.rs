@@ -9,6 +9,7 @@ Examples:
   phisindy-blind score --out sets                           `phisindy gap` on each of them, compared with the truth
   phisindy-blind formula --sets 48 --noise 2                laws of no catalogue: is the force found as a formula?
   phisindy-blind wrong --sets 105 --seed 7                  known parts with one mistake: does `run` tell of it?
+  phisindy-blind odd --runs 1000 --seed 7                   odd specs and data: does it panic, hang, or err?
   phisindy-blind paper --write docs/results.md              every case of the paper with both methods
   phisindy-blind sweep --seeds 100 --write docs/results.md  many seeds of every case
   phisindy-blind language --write docs/reference.md         the operations of the language
@@ -38,6 +39,8 @@ pub(crate) enum Command {
     Formula(FormulaArgs),
     /// Identify models with one mistake in the known part: is it told?
     Wrong(WrongArgs),
+    /// Run the program on odd and on damaged specs, data, laws and journals: does it panic, hang, or err?
+    Odd(OddArgs),
     /// Each case beside what the paper prints
     Paper(CaseArgs),
     /// Many seeds of each case
@@ -182,6 +185,23 @@ pub(crate) struct WrongArgs {
     /// This mistake only (or small: those that noise may hide)
     #[arg(long, value_name = "MISTAKE")]
     pub(crate) only: Option<String>,
+}
+
+/// Which odd cases.
+#[derive(Clone, Debug, clap::Args)]
+pub(crate) struct OddArgs {
+    /// Keep the files of what fails or is wrong in this folder
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Number of executions
+    #[arg(long, value_name = "N", default_value_t = 1000)]
+    pub(crate) runs: usize,
+    /// Seed of all draws
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub(crate) seed: u64,
+    /// This execution only, and keep its files
+    #[arg(long, value_name = "INDEX")]
+    pub(crate) only: Option<usize>,
 }
 
 /// Which cases of the paper.

@@ -45,6 +45,23 @@ pub(crate) fn replace(path: &Path, content: &str) -> Result<()> {
         .with_context(|| format!("cannot write `{}`", path.display()))
 }
 
+/// Copies a folder and all that is in it.
+///
+/// # Errors
+/// A file cannot be read or written.
+pub(crate) fn copy(from: &Path, to: &Path) -> Result<()> {
+    fs::create_dir_all(to).with_context(|| format!("cannot make the folder `{}`", to.display()))?;
+    for entry in fs::read_dir(from).with_context(|| format!("cannot read `{}`", from.display()))? {
+        let (path, target) = entry.map(|e| (e.path(), to.join(e.file_name())))?;
+        if path.is_dir() {
+            copy(&path, &target)?;
+        } else {
+            fs::copy(&path, &target).with_context(|| format!("cannot write `{}`", target.display()))?;
+        }
+    }
+    Ok(())
+}
+
 /// Prints the result.
 ///
 /// # Errors

@@ -9,7 +9,7 @@ use std::process::{Child, Command, ExitStatus, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// The interval at which the process and Ctrl-C are polled.
+/// The longest interval at which the process and Ctrl-C are polled; short runs are polled more often.
 const TICK: Duration = Duration::from_millis(20);
 
 /// Where the program is.
@@ -80,7 +80,7 @@ impl Program {
                 end(&mut child);
                 break None;
             }
-            thread::sleep(TICK);
+            thread::sleep((begin.elapsed() / 8).clamp(Duration::from_millis(1), TICK));
         };
         let seconds = begin.elapsed().as_secs_f64();
         let (out, err) = (out.join().unwrap_or_default(), err.join().unwrap_or_default());

@@ -27,11 +27,11 @@ const SPEC: &str = r#"(
 
 /// Some laws of the catalogue; each is a text file, and a new file is a new law.
 const LAWS: [(&str, &str); 5] = [
-    ("coulomb", include_str!("../../../specs/laws/coulomb.ron")),
-    ("stribeck", include_str!("../../../specs/laws/stribeck.ron")),
-    ("viscous", include_str!("../../../specs/laws/viscous.ron")),
-    ("cubic-stiffness", include_str!("../../../specs/laws/cubic-stiffness.ron")),
-    ("sensor-delay", include_str!("../../../specs/laws/sensor-delay.ron")),
+    ("coulomb", include_str!("../../phys/laws/coulomb.ron")),
+    ("stribeck", include_str!("../../phys/laws/stribeck.ron")),
+    ("viscous", include_str!("../../phys/laws/viscous.ron")),
+    ("cubic-stiffness", include_str!("../../phys/laws/cubic-stiffness.ron")),
+    ("sensor-delay", include_str!("../../phys/laws/sensor-delay.ron")),
 ];
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -48,7 +48,7 @@ mod tests {
 
     #[test]
     fn a_start_is_moved_inside_and_no_further() {
-        let stribeck = law(include_str!("../../../specs/laws/stribeck.ron"));
+        let stribeck = law(include_str!("../../phys/laws/stribeck.ron"));
         assert_eq!(fulfilled(&stribeck, &[2.0, 1.0, 0.1]), Some(-1.0));
         // From the border and from outside it; the third parameter, a speed, does not enter the condition.
         for start in [[2.0, 2.0, 0.1], [2.0, 1.0, 0.1]] {
@@ -57,7 +57,7 @@ mod tests {
             assert!((moved[1] + moved[0] - start[0] - start[1]).abs() < 1e-12);
         }
         assert_eq!(inside(&stribeck, &[1.0, 2.0, 0.1]), [1.0, 2.0, 0.1]);
-        let coulomb = law(include_str!("../../../specs/laws/coulomb.ron"));
+        let coulomb = law(include_str!("../../phys/laws/coulomb.ron"));
         assert_eq!((fulfilled(&coulomb, &[1.0]), inside(&coulomb, &[1.0])), (None, vec![1.0]));
     }
 }

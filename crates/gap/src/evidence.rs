@@ -307,8 +307,8 @@ mod tests {
         against(&fitted, &effect)
     }
 
-    const PRESLIDING: &str = include_str!("../../../specs/laws/presliding.ron");
-    const TONE: &str = include_str!("../../../specs/laws/harmonic-force.ron");
+    const PRESLIDING: &str = include_str!("../../phys/laws/presliding.ron");
+    const TONE: &str = include_str!("../../phys/laws/harmonic-force.ron");
 
     /// An elastic contact that never slips is ruled out; one that slips is not.
     #[test]
@@ -352,9 +352,9 @@ mod tests {
         assert_eq!(said("0.2*cos(0.25*t+1)", "harmonic-force", TONE, &[0.2, 0.25, 1.0]), None);
     }
 
-    const VISCOUS: &str = include_str!("../../../specs/laws/viscous.ron");
-    const DRAG: &str = include_str!("../../../specs/laws/quadratic-drag.ron");
-    const PARAMETRIC: &str = include_str!("../../../specs/laws/parametric-stiffness.ron");
+    const VISCOUS: &str = include_str!("../../phys/laws/viscous.ron");
+    const DRAG: &str = include_str!("../../phys/laws/quadratic-drag.ron");
+    const PARAMETRIC: &str = include_str!("../../phys/laws/parametric-stiffness.ron");
 
     /// A correction of the known damper is a finding; more than the damper, or a drag that pushes at high
     /// speeds, is not.

@@ -121,10 +121,10 @@ mod tests {
     use super::*;
     use crate::test_models::{effect, model, with_effects};
 
-    const RUINA: &str = include_str!("../../../specs/laws/dieterich-ruina.ron");
-    const STOP: &str = include_str!("../../../specs/laws/one-sided-stop.ron");
-    const CUBIC: &str = include_str!("../../../specs/laws/cubic-stiffness.ron");
-    const SPRING: &str = include_str!("../../../specs/laws/stiffness.ron");
+    const RUINA: &str = include_str!("../../phys/laws/dieterich-ruina.ron");
+    const STOP: &str = include_str!("../../phys/laws/one-sided-stop.ron");
+    const CUBIC: &str = include_str!("../../phys/laws/cubic-stiffness.ron");
+    const SPRING: &str = include_str!("../../phys/laws/stiffness.ron");
 
     /// An oscillator that lacks `truth`, with these laws at its velocity (start values in SI).
     fn with(truth: &str, laws: &[(&str, &str, &[f64])]) -> Fitted {

@@ -277,9 +277,9 @@ mod tests {
     #[test]
     fn a_law_that_cannot_act_there_is_told() {
         let laws = [
-            ("coulomb", include_str!("../../../specs/laws/coulomb.ron")),
-            ("stiffness", include_str!("../../../specs/laws/stiffness.ron")),
-            ("sensor-delay", include_str!("../../../specs/laws/sensor-delay.ron")),
+            ("coulomb", include_str!("../../phys/laws/coulomb.ron")),
+            ("stiffness", include_str!("../../phys/laws/stiffness.ron")),
+            ("sensor-delay", include_str!("../../phys/laws/sensor-delay.ron")),
         ];
         let catalogue = laws.map(|(id, text)| LawEntry::read(id, text).unwrap());
         let said = |states: &str, known: &str, unknown: &str| {

@@ -111,7 +111,7 @@ mod tests {
                 data: [ Synthetic(truth: {{ {truth} }}, start: {{ "x": 1.0, "v": 0.0 }}, duration: 30.0, step: 0.03, noise: Additive(0.002), seed: 1, measure: ["x"]) ])"#
             ))
         };
-        let spring = include_str!("../../../specs/laws/quadratic-stiffness.ron");
+        let spring = include_str!("../../phys/laws/quadratic-stiffness.ron");
         let at = |model: &TrialModel, noise: &[Vec<f64>], start: f64| {
             let effect = effect(model, "quadratic-stiffness", spring, "v", &[start]);
             with_effects(model, &[effect], noise)

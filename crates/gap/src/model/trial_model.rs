@@ -438,7 +438,7 @@ mod tests {
             let (spec, _) = spec::read(&text, SourceId(0)).expect("a spec");
             let (case, _) = check_names(&spec, SourceId(0)).expect("a case");
             let base = TrialModel::base(spec, case, vec![]);
-            let entry = LawEntry::read("coulomb", include_str!("../../../../specs/laws/coulomb.ron"));
+            let entry = LawEntry::read("coulomb", include_str!("../../../phys/laws/coulomb.ron"));
             let (entry, place) = (entry.expect("a law"), base.places()[0].clone());
             let effect = Effect {
                 entry,

@@ -171,7 +171,7 @@ impl Acting {
 
     /// The force and the rate of its internal state in the catalogue's words.
     pub fn written(&self) -> (String, Option<String>) {
-        let path = format!("{}/../../specs/laws/{}.ron", env!("CARGO_MANIFEST_DIR"), self.id);
+        let path = format!("{}/../phys/laws/{}.ron", env!("CARGO_MANIFEST_DIR"), self.id);
         let law = Law::read(&std::fs::read_to_string(path).unwrap()).unwrap();
         let given = law.given.iter().map(|(n, (x, _))| (n.as_str(), format!("({x:e})")));
         let own = self.numbers.iter().map(|(n, x)| (*n, format!("({x:e})")));
