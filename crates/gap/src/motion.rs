@@ -72,8 +72,8 @@ impl Motion {
         let told = |k: usize| record.sizes.get(k).is_some_and(|size| *size > 0.0);
         for k in 0..n {
             let (gain, offset) = sensors[k];
-            // The smoothed columns are states by the sensors as they start.
-            let start = &record.sensors[k];
+            // The smoothed columns are states as far as their sensors were known.
+            let (zero, scale) = smooth.sensors[k].known_before();
             for i in 0..samples {
                 states[i * n + k] = match (&smooth.columns[k], run) {
                     // An unmeasured state comes from the simulation.
@@ -81,9 +81,7 @@ impl Motion {
                         run.states[i * run.n + k]
                     }
                     (Some(c), _) if unmeasured(system, record, k) => c[i],
-                    (Some(c), _) if record.columns[k].is_some() => {
-                        (start.offset.start + start.gain.start * c[i] - offset) / gain
-                    }
+                    (Some(c), _) if record.columns[k].is_some() => (zero + scale * c[i] - offset) / gain,
                     (Some(c), _) => c[i],
                     (None, Some(run)) => run.states[i * run.n + k],
                     (None, None) => 0.0,

@@ -252,20 +252,18 @@ impl TrialModel {
         let p = &self.system.parameters[k];
         let parameter =
             SensorParameter { start: p.start, within: Some(p.within), sigma: None, shared: Some(k) };
-        for records in [&mut self.records, &mut self.smooth] {
-            for record in Arc::make_mut(records) {
-                for &column in &columns {
-                    let mut parameter = parameter.clone();
-                    if column >= self.system.columns() {
-                        // The samples of the input have nothing undone.
-                        parameter.start = 0.0;
-                    }
-                    let sensor = &mut record.sensors[column];
-                    match which {
-                        "offset" => sensor.offset = parameter.clone(),
-                        "gain" => sensor.gain = parameter.clone(),
-                        _ => sensor.delay = parameter.clone(),
-                    }
+        for record in Arc::make_mut(&mut self.records) {
+            for &column in &columns {
+                let mut parameter = parameter.clone();
+                if column >= self.system.columns() {
+                    // The samples of the input have nothing undone.
+                    parameter.start = 0.0;
+                }
+                let sensor = &mut record.sensors[column];
+                match which {
+                    "offset" => sensor.offset = parameter.clone(),
+                    "gain" => sensor.gain = parameter.clone(),
+                    _ => sensor.delay = parameter.clone(),
                 }
             }
         }
@@ -294,17 +292,16 @@ impl TrialModel {
             p.start = value.clamp(p.within.0, p.within.1);
             let start = p.start;
             let read = |r: &Record| r.sensors.iter().any(|s| slots(s).iter().any(|p| p.shared == Some(k)));
-            for records in [&mut out.records, &mut out.smooth] {
-                if !records.iter().any(read) {
-                    continue;
-                }
-                // The start of an input's sensor says what its samples have undone already.
-                let own = out.system.columns();
-                for sensor in Arc::make_mut(records).iter_mut().flat_map(|r| &mut r.sensors[..own]) {
-                    for parameter in [&mut sensor.offset, &mut sensor.gain, &mut sensor.delay] {
-                        if parameter.shared == Some(k) {
-                            parameter.start = start;
-                        }
+            // The smoothed records keep the sensors by which they were made.
+            if !out.records.iter().any(read) {
+                continue;
+            }
+            // The start of an input's sensor says what its samples have undone already.
+            let own = out.system.columns();
+            for sensor in Arc::make_mut(&mut out.records).iter_mut().flat_map(|r| &mut r.sensors[..own]) {
+                for parameter in [&mut sensor.offset, &mut sensor.gain, &mut sensor.delay] {
+                    if parameter.shared == Some(k) {
+                        parameter.start = start;
                     }
                 }
             }

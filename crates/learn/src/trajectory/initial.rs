@@ -49,7 +49,7 @@ pub fn differentiated(system: &System, record: &Record) -> Record {
             out.columns[k] = Some(d.values);
             continue;
         };
-        let (offset, gain) = (record.sensors[k].offset.start, record.sensors[k].gain.start);
+        let (offset, gain) = record.sensors[k].known_before();
         out.columns[k] = Some(d.values.iter().map(|x| (x - offset) / gain).collect());
         if let Some(v) = state.velocity.filter(|&v| record.columns[v].is_none()) {
             out.columns[v] = Some(d.derivative.iter().map(|x| x / gain).collect());

@@ -47,6 +47,19 @@ pub struct Sensor {
 }
 
 impl Sensor {
+    /// Offset and gain as far as they are known before a fit: a zero that is to be found is taken for none, for the
+    /// motion is nearly the same about any; a scale counts from where it starts.
+    ///
+    /// ```
+    /// use phisindy_phys::{Sensor, SensorParameter};
+    /// let millimetres = Sensor { gain: SensorParameter::fixed(1e3), ..Sensor::default() };
+    /// assert_eq!(millimetres.known_before(), (0.0, 1e3));
+    /// ```
+    pub fn known_before(&self) -> (f64, f64) {
+        let offset = if self.offset.within.is_none() { self.offset.start } else { 0.0 };
+        (offset, self.gain.start)
+    }
+
     /// The reading at the sample times, from the quantity at these times. Parameters that are to be found are
     /// taken as perfect. Beyond the ends a delayed column is extrapolated by its interpolation.
     ///
