@@ -62,7 +62,7 @@ fn a_band_brake_damper() {
     }
     // A level in proportion to the tension of the band is not what this damper has.
     let warnings = found["warnings"].to_string();
-    assert!(warnings.contains("Fm is") && warnings.contains("by 30 lb alone"), "{warnings}");
+    assert!(warnings.contains("Fm is") && warnings.contains("from 30 lb alone"), "{warnings}");
 }
 
 /// The same file in millimetres and kilonewtons says the same.
