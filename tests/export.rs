@@ -2,7 +2,7 @@
 
 #![allow(missing_docs)]
 
-use crate::common::{self, Scratch, phisindy};
+use crate::common::{self, Scratch, phisindy, skipped};
 use std::fs;
 use std::io::Write;
 use std::process::{Command, Stdio};
@@ -464,8 +464,7 @@ refused('real numbers', single(t), u);
 fn a_mex_function_moves_as_ours() {
     let there = |program: &str| Command::new(program).arg("--version").output().is_ok();
     if !there("octave-cli") || !there("mkoctfile") {
-        let _ = writeln!(std::io::stderr(), "skipped: octave-cli and mkoctfile are not both installed");
-        return;
+        return skipped("octave-cli and mkoctfile are not both installed");
     }
     let all = [
         ("chain", CHAIN.to_owned()),
@@ -496,7 +495,9 @@ fn a_mex_function_moves_as_ours() {
 /// What the tool of the FMI project says, where `PHISINDY_FMPY` names a Python with fmpy and cmake.
 #[test]
 fn fmpy_has_no_complaint() {
-    let Some(python) = std::env::var_os("PHISINDY_FMPY") else { return };
+    let Some(python) = std::env::var_os("PHISINDY_FMPY") else {
+        return skipped("PHISINDY_FMPY names no Python with fmpy");
+    };
     for case in ["case1a", "case6", "case7"] {
         let scratch = Scratch::new(&format!("fmpy-{case}"));
         let found = scratch.path(case);

@@ -3,7 +3,7 @@
 
 #![allow(missing_docs)]
 
-use crate::common::{Scratch, phisindy};
+use crate::common::{Scratch, phisindy, skipped};
 use serde_json::Value;
 use std::io::Write;
 use std::path::Path;
@@ -458,11 +458,9 @@ for (const width of [380, 1200]) {
 </script></body></html>"#;
 
 #[test]
-#[allow(clippy::print_stderr)] // a test that was skipped says so
 fn a_browser_shows_it_on_phone_and_desk_in_light_and_dark_and_on_paper() {
     let Some(browser) = browser() else {
-        eprintln!("skipped: there is no chromium here");
-        return;
+        return skipped("there is no chromium here");
     };
     for made in [case7(), gap(), rejected()] {
         std::fs::write(made.scratch.path("out/probe.html"), PROBE).expect("the probe can be written");

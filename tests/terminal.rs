@@ -3,9 +3,11 @@
 #![allow(missing_docs)]
 #![cfg(target_os = "linux")]
 
-use crate::common::{self, Scratch, program};
+use crate::common::{self, Scratch, program, skipped};
 use std::io::{Read, Write};
 use std::process::{Command, Stdio};
+
+const NO_SCRIPT: &str = "there is no `script` of util-linux";
 
 /// Runs a command line at a terminal of 120 columns; `None` where there is no `script`.
 fn at_terminal(arguments: &[&str], colours: bool) -> Option<String> {
@@ -19,7 +21,7 @@ fn at_terminal(arguments: &[&str], colours: bool) -> Option<String> {
     if !colours {
         script.env("NO_COLOR", "1");
     }
-    let out = script.output().ok()?;
+    let out = script.output().inspect_err(|_| skipped(NO_SCRIPT)).ok()?;
     Some(String::from_utf8_lossy(&out.stdout).replace('\r', ""))
 }
 
@@ -95,7 +97,7 @@ fn no_progress_stays_above_the_result_after_an_interrupt() {
     let mut script = Command::new("script");
     script.args(["-qec", &line, "/dev/null"]).current_dir(common::top()).env("TERM", "xterm");
     script.env("NO_COLOR", "1").stdin(Stdio::piped()).stdout(Stdio::piped());
-    let Ok(mut child) = script.spawn() else { return };
+    let Ok(mut child) = script.spawn() else { return skipped(NO_SCRIPT) };
     let (mut keys, mut out) = (child.stdin.take().expect("keys"), child.stdout.take().expect("a screen"));
     let (mut said, mut more) = (Vec::new(), [0; 4096]);
     let mut pressed = false;

@@ -168,15 +168,10 @@ fn the_guides_are_as_they_say() {
 
 /// Its data are other people's: it is played where `PHISINDY_DATA` names their folder.
 #[test]
-#[allow(clippy::print_stderr)] // a test that was skipped says so
 fn the_first_ten_minutes_are_as_they_say() {
     const FILE: &str = "frame_stickslip_250g.csv";
-    let folder = std::env::var_os("PHISINDY_DATA").map(|folder| top().join(folder));
-    let Some(data) = folder.map(|f| f.join(FILE)).filter(|f| f.is_file()) else {
-        eprintln!("skipped: no `{FILE}` in the folder PHISINDY_DATA");
-        return;
-    };
-    let commands = play("tutorial-rig.md", &data, "frame.ron");
+    let Some(folder) = common::measured(FILE) else { return };
+    let commands = play("tutorial-rig.md", &folder.join(FILE), "frame.ron");
     assert!(commands > 6, "{commands}");
 }
 

@@ -1,5 +1,6 @@
 //! Runs the program as a user does: from the top of the repository, output to pipes.
 
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -18,6 +19,26 @@ pub(crate) struct Outcome {
 /// The top of the repository.
 pub(crate) fn top() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().expect("the top of the repository")
+}
+
+/// Says that the test of this thread is skipped. The line passes the capture of output, so that it is seen, and
+/// `.ci/run` counts such lines.
+pub(crate) fn skipped(why: &str) {
+    let thread = std::thread::current();
+    let test = thread.name().unwrap_or("a test");
+    // Nothing can be reported if standard error is closed.
+    let _ = writeln!(std::io::stderr(), "skipped: {test}: {why}");
+}
+
+/// The folder PHISINDY_DATA, where it holds this file of other people's measurements; the test is skipped where
+/// it does not.
+pub(crate) fn measured(file: &str) -> Option<PathBuf> {
+    let folder = std::env::var_os("PHISINDY_DATA").map(|folder| top().join(folder));
+    let found = folder.filter(|folder| folder.join(file).is_file());
+    if found.is_none() {
+        skipped(&format!("no data: the folder PHISINDY_DATA has no `{file}`"));
+    }
+    found
 }
 
 /// The program `phisindy`. The tests of `phisindy-blind` take the one that lies beside their own program.

@@ -23,7 +23,7 @@ use crate::plausibility::{may_be_undetermined, vetoed};
 use crate::result::tried::weighed;
 use crate::result::{
     Activity, Leader, MissingForce, ModelError, NotTried, PlacedLaw, Rival, RoundStart, StopReason, Tried,
-    Vetoed,
+    Veto, Vetoed,
 };
 use crate::screen::{Candidate, Screening, Target, screen};
 use compare::{makes_progress, predicts_no_better};
@@ -96,9 +96,9 @@ impl Start<'_> {
 
 impl Search<'_> {
     /// Runs the search, and repeats it without the laws that the records do not determine in the end, or that
-    /// evidence rules out: another law may do as well. A repeated search counts if it explains the data as
-    /// well; the laws that it leaves out are reported with its first round. Otherwise the data need the law,
-    /// whatever the intervals of its parameters: these may depend on each other.
+    /// evidence rules out: another law may do as well. A repeated search counts if it explains the data, and
+    /// beside a law whose numbers are open as well as that one; the laws that it leaves out are reported with
+    /// its first round. Otherwise the data need the law.
     pub(crate) fn run_until_determined(&mut self, base: TrialModel) -> Result<Searched, ModelError> {
         let mut catalogue = self.catalogue.to_vec();
         let mut found = self.run(base.clone())?;
@@ -118,8 +118,11 @@ impl Search<'_> {
             let mut again = Search { catalogue: &catalogue, ..*self };
             let other = again.run(base.clone())?;
             let candidates = found.candidates.max(other.candidates);
+            // Numbers that the records leave open may depend on each other. A law that ends at a bound, or that
+            // evidence rules out, explains nothing, however well it fits.
+            let open = doubted.iter().all(|v| matches!(v.why, Veto::Undetermined(_)));
             let done = self.explained(&other.last);
-            if !done || !self.as_good(&other.last, &found.last, candidates) {
+            if !done || open && !self.as_good(&other.last, &found.last, candidates) {
                 found.needed = placed(&found.last.model);
                 break;
             }
@@ -833,4 +836,42 @@ fn after_fits(
         alone.chain(last.model.effects.iter().map(|a| &a.effect.entry.id)).collect();
     left_out.retain(|law| !fitted.contains(&law.law));
     (tried, left_out)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_models::model;
+
+    /// A law that ends at a bound is not what is missing: one that fits worse, and leaves no more than the scatter
+    /// of the rig either, takes its place.
+    #[test]
+    fn a_law_at_its_bound_gives_way_to_one_that_explains_too() {
+        let (base, noise) = model(
+            r#"(states: { "x": "m", "v": "m/s" }, known: { "x": "v", "v": "-x + cos(0.7*t)" }, unknown: {},
+                data: [ Synthetic(truth: { "v": "-0.3*v + 0.01*v^3" }, start: { "x": 1.0, "v": 0.0 }, duration: 40.0,
+                    step: 0.05, noise: Additive(0.02), seed: 1) ])"#,
+        );
+        let law = |id: &str, parameters: &str, force: &str| {
+            let text = format!(
+                r#"(name: "{id}", about: "", reference: "none", roles: {{ "v": "m/s" }}, parameters: {{ {parameters} }}, force: "{force}")"#
+            );
+            LawEntry::read(id, &text).expect("a law")
+        };
+        let drag =
+            r#""p": (unit: "N*s/m", within: (0.0, 1e3)), "q": (unit: "N*s^3/m^3", within: (0.0, 1e3))"#;
+        let laws = [
+            law("growing-drag", drag, "p*v + q*v^3"),
+            law("coulomb", r#""Fc": (unit: "N", within: (0.0, 1e3))"#, "Fc*sgn(v)"),
+        ];
+        let found = Observer::during(&mut |_, _| false, |observer| {
+            let mut search = Search { catalogue: &laws, noise: &noise, floor: 15.0, observer };
+            let alone = search.run(base.clone()).expect("a search");
+            assert_eq!(placed(&alone.last.model)[0].law, "growing-drag", "{}", alone.last.score.gap());
+            search.run_until_determined(base).expect("a search")
+        });
+        let named: Vec<String> = placed(&found.last.model).into_iter().map(|p| p.law).collect();
+        assert_eq!(named, ["coulomb"], "{}", found.last.score.gap());
+        assert!(found.rounds[0].vetoed.iter().any(|v| v.law.law == "growing-drag"), "{:?}", found.rounds[0]);
+    }
 }

@@ -97,7 +97,7 @@ def test_the_command_finds_the_same_gap(spec):
     same_but_for(["seconds", "spec"], phisindy.gap(case).to_dict(), said)
 
 
-@pytest.mark.skipif("PHISINDY_DATA" not in os.environ, reason="no measured data")
+@pytest.mark.skipif("PHISINDY_DATA" not in os.environ, reason="no data: PHISINDY_DATA names no folder")
 @pytest.mark.parametrize(("work", "spec"), MEASURED)
 def test_the_command_finds_the_same_in_measured_records(work, spec):
     case = phisindy.Case.from_file(TOP / f"specs/{spec}.ron")
