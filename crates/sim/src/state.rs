@@ -9,7 +9,7 @@ use crate::stiffness::Watch;
 use crate::trajectory::{Drive, Event, Options, Trajectory};
 use phisindy_signal::Interpolation;
 
-/// `w`, `dw/dt` and `d(dw/dt)/ds` of all switches at a point.
+/// `w` and `dw/dt` of all switches and kinks at a point, and `d(dw/dt)/ds` of the switches.
 #[derive(Default)]
 pub(crate) struct Surfaces {
     pub(crate) w: Vec<f64>,
@@ -22,9 +22,9 @@ impl Surfaces {
     pub(crate) fn evaluate(&mut self, field: &mut Field<'_>, t: f64, x: &[f64]) {
         field.stuck_surfaces(t, x);
         self.w.clear();
-        self.w.extend((0..field.switches()).map(|c| field.w(c)));
+        self.w.extend((0..field.all_surfaces()).map(|c| field.w(c)));
         self.rate.clear();
-        self.rate.extend((0..field.switches()).map(|c| field.w_rate(c)));
+        self.rate.extend((0..field.all_surfaces()).map(|c| field.w_rate(c)));
         self.influence.clear();
         self.influence.extend((0..field.switches()).map(|c| field.influence(c, c)));
     }
@@ -65,6 +65,8 @@ pub(crate) struct Run<'a> {
     pub(crate) next: usize,
     /// Number of events since a time, to detect chattering.
     pub(crate) chatter: (usize, f64),
+    /// When each kink changed its mode last.
+    pub(crate) turned: Vec<f64>,
     pub(crate) buffer: Vec<f64>,
 }
 
@@ -100,7 +102,7 @@ impl<'a> Run<'a> {
             }
         }
         Run {
-            field: Field::new(automaton, drive),
+            field: Field::new(automaton, drive, options.tolerance),
             times,
             options,
             scale,
@@ -122,6 +124,7 @@ impl<'a> Run<'a> {
             out,
             next: 0,
             chatter: (0, t0),
+            turned: vec![f64::NEG_INFINITY; automaton.kinks],
             buffer: vec![0.0; n + c],
         }
     }
