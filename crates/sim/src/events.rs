@@ -52,19 +52,35 @@ impl Run<'_> {
     /// The first guard that becomes negative within the step just made.
     pub(crate) fn first_event(&mut self) -> Search {
         let mut first: Option<(usize, f64)> = None;
-        for c in 0..self.field.all_surfaces() {
-            let event = match c {
-                _ if self.field.stuck[c] => self.overload(c),
-                _ if c < self.field.switches() => self.crossing(c),
-                _ => self.kink(c, first.map_or(1.0, |(_, theta)| theta)),
-            };
+        for c in 0..self.field.switches() {
+            let event = if self.field.stuck[c] { self.overload(c) } else { self.crossing(c) };
             match event {
                 Search::At(c, theta) if first.is_none_or(|(_, f)| theta < f) => first = Some((c, theta)),
                 Search::Shorter => return Search::Shorter,
                 _ => {}
             }
         }
+        // The earliest kink first, by a guess: the others need only be asked whether they come before it.
+        let mut kinks: Vec<(usize, f64)> = (self.field.switches()..self.field.all_surfaces())
+            .filter_map(|c| Some((c, self.may_turn(c)?)))
+            .collect();
+        kinks.sort_by(|a, b| a.1.total_cmp(&b.1));
+        for (c, _) in kinks {
+            match self.kink(c, first.map_or(1.0, |(_, theta)| theta)) {
+                Search::At(c, theta) if first.is_none_or(|(_, f)| theta < f) => first = Some((c, theta)),
+                Search::Shorter => return Search::Shorter,
+                _ => {}
+            }
+        }
         first.map_or(Search::None, |(c, theta)| Search::At(c, theta))
+    }
+
+    /// Where a kink may leave the side of its mode, at constant rate; `None` if the step shows no sign of it.
+    fn may_turn(&self, c: usize) -> Option<f64> {
+        let (here, mode) = (self.field.near(c), self.field.modes[c]);
+        let (start, end) = (mode * self.here.w[c], mode * self.there.w[c]);
+        let dips = start > here && mode * self.here.rate[c] < 0.0 && mode * self.there.rate[c] > 0.0;
+        (end < -here || dips).then(|| start / (start - end).abs())
     }
 
     /// Where in the step a sticking contact is overloaded. The step contains its load at the stages.
@@ -130,27 +146,26 @@ impl Run<'_> {
     fn kink(&mut self, c: usize, last: f64) -> Search {
         let (here, mode) = (self.field.near(c), self.field.modes[c]);
         let (start, early) = (mode * self.here.w[c], mode * self.here.rate[c]);
-        let (end, late) = (mode * self.there.w[c], mode * self.there.rate[c]);
+        let end = mode * self.there.w[c];
         let inside = |run: &mut Self, theta: f64| run.guard_inside(c, theta);
         if start > here {
-            let mut bad = (end < -here).then_some(1.0);
-            if bad.is_none() && early < 0.0 && late > 0.0 {
-                let lowest = illinois(0.0, 1.0, |theta| {
+            let mut bad = 1.0;
+            if end >= -here {
+                bad = illinois(0.0, 1.0, |theta| {
                     inside(self, theta);
                     -mode * self.field.w_rate(c)
                 });
-                bad = (inside(self, lowest) < -here).then_some(lowest);
-            }
-            return match bad {
-                Some(bad) if bad <= last => Search::At(c, illinois(0.0, bad, |theta| inside(self, theta))),
-                Some(_) if inside(self, last) < 0.0 => {
-                    Search::At(c, illinois(0.0, last, |theta| inside(self, theta)))
+                if inside(self, bad) >= -here {
+                    return Search::None;
                 }
-                _ => Search::None,
-            };
-        }
-        if end >= -here {
-            return Search::None;
+            }
+            if last < bad {
+                bad = last;
+                if inside(self, bad) >= 0.0 {
+                    return Search::None;
+                }
+            }
+            return Search::At(c, illinois(0.0, bad, |theta| inside(self, theta)));
         }
         let clear = [0.5, 0.25, 0.75, 0.125, 0.03, 0.005];
         let clear = clear.into_iter().find(|&theta| early > 0.0 && inside(self, theta) > here);

@@ -2,19 +2,21 @@
 //!
 //! `|w|` becomes `s w`, `pos(w)` becomes `w (1 + s)/2`, `max` and `min` go by the sign of the difference, and
 //! `dead` has two surfaces. The mode `s` is +1 or -1: it never sticks, for on the surface either is right.
+//! Steps end there, so that rates are smooth within each, and need neither contact rule nor jump of derivatives.
 
 use phisindy_expr::{Binary, Graph, Id, Node, Unary};
 use phisindy_phys::Model;
 use std::collections::HashMap;
 
-/// The kinks of a model. What they do to rates that are continuous needs no contact rule and no jump of
-/// derivatives: the steps end on their surfaces, and rates are smooth between.
+/// The kinks of a model.
 #[derive(Default)]
 pub(crate) struct Kinks {
     /// `w(t, x, u, p)` of each kink.
     pub(crate) surfaces: Vec<Id>,
     /// Its mode `s`.
     pub(crate) modes: Vec<Id>,
+    /// Surfaces without a corner: see [`blunt`].
+    passed: Vec<Id>,
 }
 
 impl Kinks {
@@ -22,18 +24,27 @@ impl Kinks {
     ///
     /// * below a root, a logarithm or a power with a fraction: these have no value beyond the surface,
     /// * a branch of `min` or `max` that may be infinite where it is not in use,
-    /// * a surface that jumps itself, or is that of a sign: see [`crate::Switched`].
+    /// * a surface that jumps itself, or is that of a sign: see [`crate::Switched`],
+    /// * a surface on which the slope does not jump, as that of `|v| v`: steps pass it as they are.
     pub(crate) fn replace(model: &mut Model) -> Kinks {
-        let (mut kinks, mut with) = (Kinks::default(), HashMap::new());
-        for node in candidates(model) {
+        let nodes = candidates(model);
+        let (all, with) = Kinks::of(model, &nodes, vec![]);
+        let rates = model.graph.replace(&model.rates, &with);
+        let passed = blunt(&mut model.graph, &rates, &all, &with);
+        let (kinks, with) = if passed.is_empty() { (all, with) } else { Kinks::of(model, &nodes, passed) };
+        model.rates = model.graph.replace(&model.rates, &with);
+        kinks
+    }
+
+    /// The kinks at these nodes, and what takes the place of the nodes.
+    fn of(model: &mut Model, nodes: &[Id], passed: Vec<Id>) -> (Kinks, HashMap<Id, Id>) {
+        let (mut kinks, mut with) = (Kinks { passed, ..Kinks::default() }, HashMap::new());
+        for &node in nodes {
             if let Some(new) = kinks.smooth(model, node, &with) {
                 with.insert(node, new);
             }
         }
-        if !with.is_empty() {
-            model.rates = model.graph.replace(&model.rates, &with);
-        }
-        kinks
+        (kinks, with)
     }
 
     /// The node with modes in place of its kinks.
@@ -43,16 +54,16 @@ impl Kinks {
         let new = (new[0], new.last().copied()?);
         match model.graph.node(node) {
             Node::Unary(Unary::Abs, w) => {
-                let s = self.mode(model, w);
+                let s = self.mode(model, w)?;
                 Some(model.graph.mul(s, new.0))
             }
             Node::Unary(_, w) => {
-                let s = self.mode(model, w);
+                let s = self.mode(model, w)?;
                 Some(part(&mut model.graph, s, new.0))
             }
             Node::Binary(Binary::Dead, x, gap) => {
                 let (above, below) = (model.graph.sub(x, gap), model.graph.add(x, gap));
-                let (up, down) = (self.mode(model, above), self.mode(model, below));
+                let (up, down) = (self.mode(model, above)?, self.mode(model, below)?);
                 let graph = &mut model.graph;
                 let (above, below) = (graph.sub(new.0, new.1), graph.add(new.0, new.1));
                 let minus = graph.neg(down);
@@ -71,7 +82,7 @@ impl Kinks {
             }
             Node::Binary(op, a, b) => {
                 let w = model.graph.sub(a, b);
-                let s = self.mode(model, w);
+                let s = self.mode(model, w)?;
                 let graph = &mut model.graph;
                 let minus = graph.neg(s);
                 let (first, second) = if op == Binary::Max { (s, minus) } else { (minus, s) };
@@ -83,9 +94,12 @@ impl Kinks {
     }
 
     /// The mode of the surface `w`; an argument and its negative are one surface.
-    fn mode(&mut self, model: &mut Model, w: Id) -> Id {
+    fn mode(&mut self, model: &mut Model, w: Id) -> Option<Id> {
         let minus = model.graph.neg(w);
-        match self.surfaces.iter().position(|&known| known == w || known == minus) {
+        if self.passed.contains(&w) || self.passed.contains(&minus) {
+            return None;
+        }
+        Some(match self.surfaces.iter().position(|&known| known == w || known == minus) {
             Some(k) if self.surfaces[k] == w => self.modes[k],
             Some(k) => model.graph.neg(self.modes[k]),
             None => {
@@ -94,7 +108,7 @@ impl Kinks {
                 self.modes.push(model.graph.symbol(symbol));
                 self.modes[self.modes.len() - 1]
             }
-        }
+        })
     }
 }
 
@@ -104,6 +118,33 @@ fn part(graph: &mut Graph, mode: Id, value: Id) -> Id {
     let part = graph.mul(half, mode);
     let part = graph.add(half, part);
     graph.mul(part, value)
+}
+
+/// The surfaces on which the slopes of the rates do not jump: there the mode's share vanishes with `w^2`.
+fn blunt(graph: &mut Graph, rates: &[Id], kinks: &Kinks, with: &HashMap<Id, Id>) -> Vec<Id> {
+    let shares: Vec<Vec<Id>> = rates.iter().map(|&rate| graph.gradient(rate, &kinks.modes)).collect();
+    let within = graph.replace(&kinks.surfaces, with);
+    let flat = |k: &usize| shares.iter().all(|of| order(graph, of[*k], [kinks.surfaces[*k], within[*k]]) >= 2.0);
+    (0..kinks.modes.len()).filter(flat).map(|k| kinks.surfaces[k]).collect()
+}
+
+/// The power of `w` with which an expression vanishes on `w = 0`, as far as its products tell.
+fn order(graph: &Graph, of: Id, w: [Id; 2]) -> f64 {
+    let mut orders: HashMap<Id, f64> = HashMap::new();
+    for id in graph.reachable(&[of]) {
+        let order = match graph.node(id) {
+            _ if w.contains(&id) => 1.0,
+            Node::Constant(_) if graph.value(id) == Some(0.0) => f64::INFINITY,
+            Node::Unary(Unary::Neg | Unary::Abs | Unary::Pos | Unary::Sin | Unary::Tanh, a) => orders[&a],
+            Node::Binary(Binary::Mul, a, b) => orders[&a] + orders[&b],
+            Node::Binary(Binary::Add | Binary::Sub, a, b) => orders[&a].min(orders[&b]),
+            Node::Binary(Binary::Div, a, _) => orders[&a],
+            Node::Binary(Binary::Pow, a, n) => graph.value(n).map_or(0.0, |n| n.max(0.0) * orders[&a]),
+            _ => 0.0,
+        };
+        orders.insert(id, if order.is_nan() { 0.0 } else { order });
+    }
+    orders[&of]
 }
 
 /// The nodes whose kinks become events, operands first.

@@ -80,7 +80,7 @@ fn compare(case: &Case, rates: fn(f64, &[f64], &mut [f64]), end: f64, tolerance:
         let step = pair[1] - pair[0];
         // Defaults but for the tolerances; see `independent.rs`.
         let mut solver = Dop853::from_param(
-            Plain(rates), pair[0], pair[1], step, z.clone(), 1e-12, 1e-12, 0.9, 0.0, 0.333, 6.0, step, 0.0,
+            Plain(rates), pair[0], pair[1], step, z.clone(), 1e-12, 1e-12, 0.9, 0.0, 0.333, 6.0, 0.01 * step, 0.0,
             100_000, u32::MAX, OutputType::Sparse,
         );
         solver.integrate().unwrap();
