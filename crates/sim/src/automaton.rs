@@ -2,14 +2,16 @@
 //! between them.
 
 use crate::jacobian::Jacobian;
-use crate::switched::{Switch, Switched};
+use crate::kinks::Kinks;
+use crate::switched::{Switch, Switched, drift};
 use phisindy_expr::{Id, Tape, Unbound};
 use phisindy_phys::Model;
+use std::iter::once;
 
 /// The compiled automaton: immutable, shared between threads.
 ///
-/// The inputs of all its tapes are `[t, x.., u.., du/dt.., p.., s.., e.., d.., b..]`; [`Switched`] says what
-/// the last four are.
+/// The inputs of all its tapes are `[t, x.., u.., du/dt.., p.., s.., e.., d.., b.., k..]`; [`Switched`] says
+/// what `s`, `e`, `d` and `b` are, and `k` are the modes of the kinks.
 #[derive(Clone, Debug)]
 pub struct Automaton {
     /// Names of the states, for messages.
@@ -24,8 +26,12 @@ pub struct Automaton {
     pub switches: Vec<Switch>,
     /// `dx/dt`: n outputs.
     pub(crate) flow: Tape,
-    /// `w` (c), `dw/dt` (c), `d(dw/dt)/ds` (c x c), `dw/dx` (c x n).
+    /// How many kinks: surfaces that follow those of the switches.
+    pub(crate) kinks: usize,
+    /// `w` (c), `dw/dt` (c), `d(dw/dt)/ds` (c x c), `dw/dx` (c x n), then `w` and `dw/dt` of the kinks.
     pub(crate) surface: Tape,
+    /// `dw/dx` of the kinks (kinks x n).
+    pub(crate) kink_normals: Tape,
     /// `w` (c), `dw/dx` (c x n): what keeps a contact at rest.
     pub(crate) rest: Tape,
     /// `y` (q), its drift (q), `dy/dx` (q x n), `dy/ds` (q x c), `dy/dp` (q x p), then drift (c), `d/dx` (c x
@@ -50,7 +56,11 @@ impl Automaton {
     /// assert!(automaton.switches[0].can_stick);
     /// ```
     pub fn new(model: &Model) -> Result<Automaton, Unbound> {
+        let mut model = model.clone();
+        let kinks = if std::env::var("NOKINKS").is_ok() { Kinks::default() } else { Kinks::replace(&mut model) };
+        let model = &model;
         let mut switched = Switched::new(model);
+        let (kink_rates, kink_normals) = motion(&mut switched, model, &kinks.surfaces);
         let mut inputs = vec![model.time];
         let s = &switched;
         for group in [
@@ -62,14 +72,12 @@ impl Automaton {
             &s.sides,
             &s.floors,
             &s.margins,
+            &kinks.modes,
         ] {
             inputs.extend(group);
         }
-        let surface: Vec<Id> = [&s.surfaces, &s.surface_rates, &s.influence, &s.normals]
-            .into_iter()
-            .flatten()
-            .copied()
-            .collect();
+        let surface = [&s.surfaces, &s.surface_rates, &s.influence, &s.normals, &kinks.surfaces, &kink_rates];
+        let surface: Vec<Id> = surface.into_iter().flatten().copied().collect();
 
         let rest: Vec<Id> = s.surfaces.iter().chain(&s.normals).copied().collect();
 
@@ -102,10 +110,23 @@ impl Automaton {
             outputs: model.outputs.len(),
             switches: std::mem::take(switches),
             flow: Tape::compile(graph, &inputs, rates)?,
+            kinks: kinks.surfaces.len(),
             surface: Tape::compile(graph, &inputs, &surface)?,
+            kink_normals: Tape::compile(graph, &inputs, &kink_normals)?,
             rest: Tape::compile(graph, &inputs, &rest)?,
             output: Tape::compile(graph, &inputs, &read)?,
             jacobian,
         })
     }
+}
+
+/// `dw/dt` of each surface by the chain rule, and its `dw/dx`, row by row.
+fn motion(of: &mut Switched, model: &Model, surfaces: &[Id]) -> (Vec<Id>, Vec<Id>) {
+    let graph = &mut of.graph;
+    let one = graph.constant(1.0);
+    let given: Vec<Id> =
+        model.states.iter().chain(&model.inputs).chain(once(&model.time)).copied().collect();
+    let moves: Vec<Id> = of.rates.iter().chain(&of.slopes).chain(once(&one)).copied().collect();
+    let rates = surfaces.iter().map(|&w| drift(graph, w, &given, &moves)).collect();
+    (rates, surfaces.iter().flat_map(|&w| graph.gradient(w, &model.states)).collect())
 }

@@ -14,6 +14,10 @@ impl Field<'_> {
     /// smallest size of each state that matters.
     pub(crate) fn begin(&mut self, t: f64, x: &[f64], scale: &[f64]) {
         self.surfaces(t, x);
+        if self.automaton.kinks > 0 {
+            self.measure_kinks(t, x, scale);
+            self.place_kinks(t, x);
+        }
         let mut on = Vec::new();
         for c in 0..self.switches() {
             let size: f64 = scale.iter().enumerate().map(|(j, s)| (self.normal(c, j) * s).abs()).sum();
@@ -101,7 +105,7 @@ impl Field<'_> {
     /// Decides the modes again after a jump of an input. A contact that the jump moved off or across its
     /// surface slips; a sticking one may be overloaded.
     pub(crate) fn reconsider(&mut self, t: f64, x: &[f64]) {
-        self.surfaces(t, x);
+        self.place_kinks(t, x);
         for c in 0..self.switches() {
             let (w, far) = (self.w(c), DETACHED * self.speed[c]);
             if self.stuck[c] && w.abs() > far || !self.stuck[c] && w * self.modes[c] < -far {

@@ -44,6 +44,8 @@ decisions! {
 
     /// Within this distance a switch has not left its surface.
     ON_SURFACE: f64 = 1e-13, "largest speed so far", Basis::Derived("rounding of the state");
+    /// Within this distance of the corner of a force either side of it is right.
+    AT_KINK: f64 = 0.1, "tolerances of the scale", Basis::Derived("below the error of a step; what a wrong side does to the rates is continuous");
     /// The load above the friction limit at which a sticking contact slips.
     OVERLOAD: f64 = 1e-14, "part of the friction limit", Basis::Derived("just above rounding, so that the contact does not stick again at once");
     /// A bracket of an event ends at this width.

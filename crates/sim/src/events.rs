@@ -2,8 +2,8 @@
 //! next mode.
 
 use crate::decisions::{
-    CHATTER_EVENTS, CHATTER_SPAN, LOCATION_CHANGE, LOCATION_ITERATIONS, ON_SURFACE, OVERLOAD,
-    PEAK_ITERATIONS, ROOT_ITERATIONS, ROOT_WIDTH, SHORTEST_RETURN,
+    CHATTER_EVENTS, CHATTER_SPAN, LOCATION_CHANGE, LOCATION_ITERATIONS, OVERLOAD, PEAK_ITERATIONS,
+    ROOT_ITERATIONS, ROOT_WIDTH, SHORTEST_RETURN,
 };
 use crate::state::Run;
 use crate::trajectory::{Jump, SimError};
@@ -60,7 +60,27 @@ impl Run<'_> {
                 _ => {}
             }
         }
+        // The earliest kink first, by a guess: the others need only be asked whether they come before it.
+        let mut kinks: Vec<(usize, f64)> = (self.field.switches()..self.field.all_surfaces())
+            .filter_map(|c| Some((c, self.may_turn(c)?)))
+            .collect();
+        kinks.sort_by(|a, b| a.1.total_cmp(&b.1));
+        for (c, _) in kinks {
+            match self.kink(c, first.map_or(1.0, |(_, theta)| theta)) {
+                Search::At(c, theta) if first.is_none_or(|(_, f)| theta < f) => first = Some((c, theta)),
+                Search::Shorter => return Search::Shorter,
+                _ => {}
+            }
+        }
         first.map_or(Search::None, |(c, theta)| Search::At(c, theta))
+    }
+
+    /// Where a kink may leave the side of its mode, at constant rate; `None` if the step shows no sign of it.
+    fn may_turn(&self, c: usize) -> Option<f64> {
+        let (here, mode) = (self.field.near(c), self.field.modes[c]);
+        let (start, end) = (mode * self.here.w[c], mode * self.there.w[c]);
+        let dips = start > here && mode * self.here.rate[c] < 0.0 && mode * self.there.rate[c] > 0.0;
+        (end < -here || dips).then(|| start / (start - end).abs())
     }
 
     /// Where in the step a sticking contact is overloaded. The step contains its load at the stages.
@@ -89,7 +109,7 @@ impl Run<'_> {
     /// Where in the step a slipping switch reaches its surface. A switch that starts on it (just released,
     /// or just crossed) must leave it first.
     fn crossing(&mut self, c: usize) -> Search {
-        let here = ON_SURFACE * self.field.speed[c];
+        let here = self.field.near(c);
         let mode = self.field.modes[c];
         let (start, early) = (mode * self.here.w[c], mode * self.here.rate[c]);
         let (end, late) = (mode * self.there.w[c], mode * self.there.rate[c]);
@@ -121,11 +141,47 @@ impl Run<'_> {
         Search::None
     }
 
+    /// Where in the part of the step up to `last` a kink leaves the side of its mode. One that starts on its
+    /// surface, where either mode is right, may turn at once, and does so once.
+    fn kink(&mut self, c: usize, last: f64) -> Search {
+        let (here, mode) = (self.field.near(c), self.field.modes[c]);
+        let (start, early) = (mode * self.here.w[c], mode * self.here.rate[c]);
+        let end = mode * self.there.w[c];
+        let inside = |run: &mut Self, theta: f64| run.guard_inside(c, theta);
+        if start > here {
+            let mut bad = 1.0;
+            if end >= -here {
+                bad = illinois(0.0, 1.0, |theta| {
+                    inside(self, theta);
+                    -mode * self.field.w_rate(c)
+                });
+                if inside(self, bad) >= -here {
+                    return Search::None;
+                }
+            }
+            if last < bad {
+                bad = last;
+                if inside(self, bad) >= 0.0 {
+                    return Search::None;
+                }
+            }
+            return Search::At(c, illinois(0.0, bad, |theta| inside(self, theta)));
+        }
+        let clear = [0.5, 0.25, 0.75, 0.125, 0.03, 0.005];
+        let clear = clear.into_iter().find(|&theta| early > 0.0 && inside(self, theta) > here);
+        match clear {
+            Some(good) => Search::At(c, illinois(good, 1.0, |theta| inside(self, theta))),
+            None if self.turned[c - self.field.switches()] < self.t => Search::At(c, 0.0),
+            None if self.step.h > SHORTEST_RETURN * self.span => Search::Shorter,
+            None => Search::None,
+        }
+    }
+
     /// Repeats the step so that it ends on the surface: Newton's method on the step length, starting at the
     /// root of the dense output. Returns whether every step could be made.
     pub(crate) fn locate(&mut self, c: usize, theta: f64) -> bool {
         let (h, stuck) = (self.step.h, self.field.stuck[c]);
-        let size = if stuck { OVERLOAD } else { ON_SURFACE * self.field.speed[c] };
+        let size = if stuck { OVERLOAD } else { self.field.near(c) };
         let delta = 1e-4_f64.min(0.5 * theta);
         let mut slope = (self.guard_inside(c, theta) - self.guard_inside(c, theta - delta)) / (delta * h);
         let mut length = theta * h;
@@ -160,15 +216,19 @@ impl Run<'_> {
         let mut due = Some(first);
         let mut done = Vec::new();
         while let Some(c) = due {
-            self.chatter.0 += 1;
-            if self.chatter.0 > CHATTER_EVENTS {
-                let switch = self.field.automaton.switches[c].text.clone();
-                return Err(SimError::TooManyEvents { time: self.t, switch });
+            if c < self.field.switches() {
+                self.chatter.0 += 1;
+                if self.chatter.0 > CHATTER_EVENTS {
+                    let switch = self.field.automaton.switches[c].text.clone();
+                    return Err(SimError::TooManyEvents { time: self.t, switch });
+                }
+                self.change(c);
+            } else {
+                self.turn(c);
             }
-            self.change(c);
             done.push(c);
             self.here.evaluate(&mut self.field, self.t, &self.x);
-            due = (0..self.field.switches()).find(|&k| !done.contains(&k) && self.is_due(k));
+            due = (0..self.field.all_surfaces()).find(|&k| !done.contains(&k) && self.is_due(k));
         }
         Ok(())
     }
@@ -185,7 +245,18 @@ impl Run<'_> {
     /// Whether a slipping switch is on its surface and about to cross it.
     fn is_due(&self, c: usize) -> bool {
         let (s, w, rate) = (self.field.modes[c], self.here.w[c], self.here.rate[c]);
-        !self.field.stuck[c] && s * w <= ON_SURFACE * self.field.speed[c] && s * rate < 0.0
+        !self.field.stuck[c] && s * w <= self.field.near(c) && s * rate < 0.0
+    }
+
+    /// Changes the mode of a kink: the rates stay as they are, and so do their derivatives by a shift of the
+    /// time of the event.
+    fn turn(&mut self, c: usize) {
+        self.field.modes[c] = -self.field.modes[c];
+        self.turned[c - self.field.switches()] = self.t;
+        self.field.rates(self.t, &self.x, &mut self.rates);
+        if let Some(s) = &mut self.sensitivity {
+            s.restart();
+        }
     }
 
     fn change(&mut self, c: usize) {

@@ -2,7 +2,7 @@
 //! contacts.
 
 use crate::automaton::Automaton;
-use crate::decisions::{LEAST_SPEED, OFF_SURFACE};
+use crate::decisions::{AT_KINK, LEAST_SPEED, OFF_SURFACE, ON_SURFACE};
 use crate::elimination::solve_in_place;
 use crate::flow::Flow;
 use crate::linearisation::{Free, LANES, Linearisation};
@@ -15,6 +15,7 @@ pub(crate) struct Field<'a> {
     drive: &'a Drive<'a>,
     flow: Scratch<1>,
     surface: Scratch<1>,
+    kink_normals: Scratch<1>,
     rest: Scratch<1>,
     output: Scratch<1>,
     jacobian: Option<Scratch<LANES>>,
@@ -22,16 +23,19 @@ pub(crate) struct Field<'a> {
     /// Inputs are read just before this time at the latest: a step that ends where an input jumps must not
     /// see the jump.
     pub(crate) left_of: Option<f64>,
-    /// Present mode of each switch: +1, -1, or, while it sticks, the fraction of the friction limit in use.
+    /// Present mode of each switch: +1, -1, or, while it sticks, the fraction of the friction limit in use;
+    /// then that of each kink: +1 or -1.
     pub(crate) modes: Vec<f64>,
-    /// Whether a switch sticks.
+    /// Whether a switch sticks; a kink never does.
     pub(crate) stuck: Vec<bool>,
     /// The number added to `|w|`, so that friction is finite and largest at rest.
     floors: Vec<f64>,
     /// The distance beyond the surface over which friction is continued smoothly.
     pub(crate) margins: Vec<f64>,
-    /// The smallest `|w|` that matters, from the scale of the states.
+    /// The smallest `|w|` of switches and kinks that matters, from the scale of the states.
     pub(crate) scale: Vec<f64>,
+    /// The local error of a step, relative to the size of each state.
+    tolerance: f64,
     /// Largest `|w|` so far, at least its scale: the reference of rounding errors.
     pub(crate) speed: Vec<f64>,
     /// Evaluations of the rates so far.
@@ -44,25 +48,28 @@ pub(crate) struct Field<'a> {
 }
 
 impl<'a> Field<'a> {
-    pub(crate) fn new(automaton: &'a Automaton, drive: &'a Drive<'a>) -> Self {
+    pub(crate) fn new(automaton: &'a Automaton, drive: &'a Drive<'a>, tolerance: f64) -> Self {
         let c = automaton.switches.len();
+        let all = c + automaton.kinks;
         let scratch = |tape| prepared(automaton, drive, tape);
         Field {
             automaton,
             drive,
             flow: scratch(&automaton.flow),
             surface: scratch(&automaton.surface),
+            kink_normals: scratch(&automaton.kink_normals),
             rest: scratch(&automaton.rest),
             output: scratch(&automaton.output),
             jacobian: None,
             hints: vec![0; automaton.inputs],
             left_of: None,
-            modes: vec![0.0; c],
-            stuck: vec![false; c],
+            modes: vec![0.0; all],
+            stuck: vec![false; all],
             floors: vec![0.0; c],
             margins: vec![0.0; c],
-            scale: vec![1.0; c],
-            speed: vec![1.0; c],
+            scale: vec![1.0; all],
+            tolerance,
+            speed: vec![1.0; all],
             evaluations: 0,
             stuck_set: Vec::with_capacity(c),
             system: Vec::with_capacity(c * (c + 1)),
@@ -71,7 +78,50 @@ impl<'a> Field<'a> {
     }
 
     pub(crate) fn switches(&self) -> usize {
+        self.automaton.switches.len()
+    }
+
+    /// Switches and, after them, kinks.
+    pub(crate) fn all_surfaces(&self) -> usize {
         self.modes.len()
+    }
+
+    /// Within this distance a switch has not left its surface; on which side of it a kink is does not matter.
+    pub(crate) fn near(&self, c: usize) -> f64 {
+        let rounding = ON_SURFACE * self.speed[c];
+        if c < self.switches() { rounding } else { rounding.max(AT_KINK * self.tolerance * self.scale[c]) }
+    }
+
+    /// Measures the kinks: the smallest `|w|` that matters, for this smallest size of each state.
+    pub(crate) fn measure_kinks(&mut self, t: f64, x: &[f64], scale: &[f64]) {
+        let first = self.switches();
+        self.write(Which::KinkNormals, t, x);
+        self.kink_normals.run();
+        for k in 0..self.automaton.kinks {
+            let normal = |j| self.kink_normals.output(k * scale.len() + j)[0];
+            let size: f64 = scale.iter().enumerate().map(|(j, s)| (normal(j) * s).abs()).sum();
+            self.scale[first + k] = if size > 0.0 { size } else { 1.0 };
+            self.speed[first + k] = self.w(first + k).abs();
+        }
+    }
+
+    /// Evaluates the surfaces after setting the modes of the kinks by the side of their surface; on it by the
+    /// rate, unless there is a mode.
+    pub(crate) fn place_kinks(&mut self, t: f64, x: &[f64]) {
+        self.surfaces(t, x);
+        if self.automaton.kinks == 0 {
+            return;
+        }
+        for c in self.switches()..self.all_surfaces() {
+            let w = self.w(c);
+            // A NaN shows in the rates.
+            if w.abs() > self.near(c) || w.is_nan() {
+                self.modes[c] = w.signum();
+            } else if self.modes[c] == 0.0 {
+                self.modes[c] = if self.w_rate(c) < 0.0 { -1.0 } else { 1.0 };
+            }
+        }
+        self.surfaces(t, x);
     }
 
     fn write(&mut self, which: Which, t: f64, x: &[f64]) {
@@ -87,6 +137,7 @@ impl<'a> Field<'a> {
         let scratch = match which {
             Which::Flow => &mut self.flow,
             Which::Surface => &mut self.surface,
+            Which::KinkNormals => &mut self.kink_normals,
             Which::Rest => &mut self.rest,
             Which::Output => &mut self.output,
             Which::Jacobian(lane) => {
@@ -110,7 +161,7 @@ impl<'a> Field<'a> {
         for (k, rate) in out[..n].iter_mut().enumerate() {
             *rate = self.flow.output(k)[0];
         }
-        for (c, load) in out[n..n + self.modes.len()].iter_mut().enumerate() {
+        for (c, load) in out[n..n + self.switches()].iter_mut().enumerate() {
             *load = if self.stuck[c] { self.modes[c] } else { 0.0 };
         }
     }
@@ -131,11 +182,15 @@ impl<'a> Field<'a> {
     }
 
     pub(crate) fn w(&self, c: usize) -> f64 {
-        self.surface.output(c)[0]
+        let (m, n) = (self.switches(), self.automaton.states.len());
+        let at = if c < m { c } else { m * (2 + m + n) + c - m };
+        self.surface.output(at)[0]
     }
 
     pub(crate) fn w_rate(&self, c: usize) -> f64 {
-        self.surface.output(self.switches() + c)[0]
+        let (m, n) = (self.switches(), self.automaton.states.len());
+        let at = if c < m { m + c } else { m * (2 + m + n) + self.automaton.kinks + c - m };
+        self.surface.output(at)[0]
     }
 
     /// The derivative of the rate of `w_c` by the mode of switch `k`; negative on the diagonal for
@@ -375,6 +430,7 @@ fn onto_surface(w: f64, normal: impl Fn(usize) -> f64, x: &mut [f64]) {
 enum Which {
     Flow,
     Surface,
+    KinkNormals,
     Rest,
     Output,
     /// The derivatives at the point of a lane.
@@ -415,12 +471,15 @@ impl Arguments<'_> {
             }
         }
         // The parameters do not change during a run.
-        let (first, c) = (1 + n + 2 * u + p, self.modes.len());
+        let (first, c) = (1 + n + 2 * u + p, self.floors.len());
         for k in 0..c {
             scratch.input(first + k)[lane] = self.modes[k];
             scratch.input(first + c + k)[lane] = if self.stuck[k] { 0.0 } else { self.modes[k] };
             scratch.input(first + 2 * c + k)[lane] = self.floors[k];
             scratch.input(first + 3 * c + k)[lane] = self.margins[k];
+        }
+        for (k, &mode) in self.modes[c..].iter().enumerate() {
+            scratch.input(first + 4 * c + k)[lane] = mode;
         }
     }
 }

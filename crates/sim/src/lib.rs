@@ -22,6 +22,7 @@ mod factors;
 mod field;
 mod flow;
 mod jacobian;
+mod kinks;
 mod linearisation;
 mod noise;
 mod observer;

@@ -189,9 +189,12 @@ impl Run<'_> {
                     self.accept();
                     self.check()?;
                 }
+                let known = self.out.events.len();
                 self.pass(event)?;
                 self.pass_breakpoint();
-                self.h = self.first_step();
+                // At a kink alone the rates go on as they came.
+                let alone = event >= self.field.switches() && self.out.events.len() == known;
+                self.h = if alone { h } else { self.first_step() };
                 Ok(true)
             }
             Search::Shorter => {

@@ -10,7 +10,7 @@ use crate::stiffness::Watch;
 use crate::trajectory::{Drive, Event, Options, Trajectory};
 use phisindy_signal::Interpolation;
 
-/// `w`, `dw/dt` and `d(dw/dt)/ds` of all switches at a point.
+/// `w` and `dw/dt` of all switches and kinks at a point, and `d(dw/dt)/ds` of the switches.
 #[derive(Default)]
 pub(crate) struct Surfaces {
     pub(crate) w: Vec<f64>,
@@ -23,9 +23,9 @@ impl Surfaces {
     pub(crate) fn evaluate(&mut self, field: &mut Field<'_>, t: f64, x: &[f64]) {
         field.stuck_surfaces(t, x);
         self.w.clear();
-        self.w.extend((0..field.switches()).map(|c| field.w(c)));
+        self.w.extend((0..field.all_surfaces()).map(|c| field.w(c)));
         self.rate.clear();
-        self.rate.extend((0..field.switches()).map(|c| field.w_rate(c)));
+        self.rate.extend((0..field.all_surfaces()).map(|c| field.w_rate(c)));
         self.influence.clear();
         self.influence.extend((0..field.switches()).map(|c| field.influence(c, c)));
     }
@@ -66,6 +66,8 @@ pub(crate) struct Run<'a> {
     pub(crate) next: usize,
     /// Number of events since a time, to detect chattering.
     pub(crate) chatter: (usize, f64),
+    /// When each kink changed its mode last.
+    pub(crate) turned: Vec<f64>,
     pub(crate) buffer: Vec<f64>,
     /// What follows a record, and the samples that it has seen.
     pub(crate) observer: Option<&'a mut dyn Observer>,
@@ -107,7 +109,7 @@ impl<'a> Run<'a> {
             }
         }
         Run {
-            field: Field::new(automaton, drive),
+            field: Field::new(automaton, drive, options.tolerance),
             times,
             options,
             scale,
@@ -129,6 +131,7 @@ impl<'a> Run<'a> {
             out,
             next: 0,
             chatter: (0, t0),
+            turned: vec![f64::NEG_INFINITY; automaton.kinks],
             buffer: vec![0.0; n + c],
             observer: None,
             observed: 0,

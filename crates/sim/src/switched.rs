@@ -66,7 +66,7 @@ fn fresh(graph: &mut Graph, names: &mut Names, kind: &str, count: usize) -> Vec<
 }
 
 /// The rate of a value by what it is given and how that moves.
-fn drift(graph: &mut Graph, of: Id, given: &[Id], moves: &[Id]) -> Id {
+pub(crate) fn drift(graph: &mut Graph, of: Id, given: &[Id], moves: &[Id]) -> Id {
     let gradient = graph.gradient(of, given);
     let zero = graph.constant(0.0);
     gradient.into_iter().zip(moves).fold(zero, |sum, (g, &v)| {
@@ -104,16 +104,8 @@ impl Switched {
         flow_of.push(model.time);
         let one = graph.constant(1.0);
         let velocity: Vec<Id> = rates.iter().chain(&slopes).copied().chain([one]).collect();
-        let mut surface_rates = Vec::new();
-        for &w in &surfaces {
-            let gradient = graph.gradient(w, &flow_of);
-            let mut sum = graph.constant(0.0);
-            for (g, v) in gradient.into_iter().zip(&velocity) {
-                let share = graph.mul(g, *v);
-                sum = graph.add(sum, share);
-            }
-            surface_rates.push(sum);
-        }
+        let surface_rates: Vec<Id> =
+            surfaces.iter().map(|&w| drift(&mut graph, w, &flow_of, &velocity)).collect();
         let given: Vec<Id> = model.inputs.iter().copied().chain([model.time]).collect();
         let moves: Vec<Id> = slopes.iter().copied().chain([one]).collect();
         let mut drifts =

@@ -7,6 +7,7 @@ mod contact_rule;
 mod errors;
 mod filters;
 mod independent;
+mod kinks;
 mod outputs;
 #[path = "common/random.rs"]
 mod random;
