@@ -468,11 +468,14 @@ fn beyond_the_end(csv: &CsvSpec, table: &Table, source: SourceId) -> Option<Diag
     // The window of a record that is whole often ends half a step behind it.
     let told = table.time.len() >= 2 && missing > 0.02 * (end.value - start.value);
     let message =
-        format!("the window goes on to {}, but the time in `{}` ends at {last}", end.value, csv.path.value);
+        format!("the window goes on to {} s, but the time in `{}` ends at {last} s", end.value, csv.path.value);
     let d = || {
         Diagnostic::warning(message).at(source, start.span.to(end.span), "goes on after the end of the file")
     };
-    told.then(|| d().help(format!("if the file is whole, end the window there: ({}, {last})", start.value)))
+    let d = || d().help(format!("if the file is whole, end the window there: ({}, {last})", start.value));
+    let in_seconds = csv.time.unit.as_ref().is_none_or(|unit| unit.value == "s");
+    let unit = || d().help("a window is in seconds, whatever the unit of `time`");
+    told.then(|| if in_seconds { d() } else { unit() })
 }
 
 /// What `missing: Omit` did.
