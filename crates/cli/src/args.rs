@@ -65,7 +65,7 @@ pub(crate) fn command_line() -> clap::Command {
 
 /// The command line as manual pages and completions show it: no command has options that mean nothing to it.
 pub(crate) fn description() -> clap::Command {
-    let options = Options::augment_args(clap::Command::new(""));
+    let options = <Options as clap::Args>::augment_args(clap::Command::new(""));
     let fitting = |command: clap::Command| {
         let name = command.get_name().to_owned();
         let unused = options.get_arguments().filter(|arg| !is_taken(arg.get_id().as_str(), &name));

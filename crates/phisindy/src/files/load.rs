@@ -472,10 +472,13 @@ fn beyond_the_end(csv: &CsvSpec, table: &Table, source: SourceId) -> Option<Diag
     let d = || {
         Diagnostic::warning(message).at(source, start.span.to(end.span), "goes on after the end of the file")
     };
-    let d = || d().help(format!("if the file is whole, end the window there: ({}, {last})", start.value));
-    let in_seconds = csv.time.unit.as_ref().is_none_or(|unit| unit.value == "s");
-    let unit = || d().help("a window is in seconds, whatever the unit of `time`");
-    told.then(|| if in_seconds { d() } else { unit() })
+    told.then(|| {
+        let d = d().help(format!("if the file is whole, end the window there: ({}, {last})", start.value));
+        match &csv.time.unit {
+            Some(unit) if unit.value != "s" => d.help("a window is in seconds, whatever the unit of `time`"),
+            _ => d,
+        }
+    })
 }
 
 /// What `missing: Omit` did.
