@@ -140,20 +140,17 @@ fn results_of_two_commands_do_not_mix() {
     let (run, gap) = (scratch.path("run"), scratch.path("gap"));
     assert_eq!(phisindy(&["run", &spec, "--out", &run]).code, 0);
     assert_eq!(phisindy(&["gap", &spec, "--out", &gap]).code, 0);
-    // Each may repeat itself.
-    assert_eq!(phisindy(&["run", &spec, "--out", &run]).code, 0);
-    for (command, out, other) in [("run", &gap, "completed.ron"), ("gap", &run, "identified.ron")] {
-        let before = std::fs::read_to_string(format!("{out}/result.json")).expect("a result");
-        let refused = phisindy(&[command, &spec, "--out", out]);
-        assert_eq!(refused.code, 2, "{}", refused.err);
-        assert!(refused.err.contains(other) && refused.err.contains("choose another one"), "{}", refused.err);
-        assert_eq!(std::fs::read_to_string(format!("{out}/result.json")).expect("a result"), before);
+    // Each may stand in the place of the other, whose result is kept beside.
+    for (command, out, own, other) in
+        [("run", &gap, "identified.ron", "completed.ron"), ("gap", &run, "completed.ron", "identified.ron")]
+    {
+        let said = phisindy(&[command, &spec, "--out", out]);
+        let there = |folder: &str, name: &str| std::fs::exists(format!("{folder}/{name}")).expect("a folder");
+        let earlier = format!("{out}.1");
+        assert!(said.code == 0 && said.err.contains(&format!("kept in `{earlier}`")), "{}", said.err);
+        assert!(there(out, own) && !there(out, other) && there(&earlier, other), "{command}");
     }
-    // A file of that name that is the user's is no result.
-    let own = scratch.path("own");
-    std::fs::create_dir(&own).expect("a folder");
-    std::fs::write(format!("{own}/completed.ron"), "// my notes").expect("a file");
-    assert_eq!(phisindy(&["run", &spec, "--out", &own]).code, 0);
+    let (run, gap) = (gap, run);
     // Where the search for the sensor's zero goes on: at the zero, which it has.
     let completed = std::fs::read_to_string(format!("{gap}/completed.ron")).expect("a spec");
     let zero =

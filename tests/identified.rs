@@ -84,7 +84,7 @@ fn a_measured_case_predicts_its_records_as_run_did() {
         "--data",
         &folder,
         "--out",
-        &folder,
+        &scratch.path("out"),
         "--format",
         "json",
         "--set",
@@ -94,12 +94,12 @@ fn a_measured_case_predicts_its_records_as_run_did() {
     ]);
     assert_eq!(said.code, 0, "{}{}", said.out, said.err);
     let result: Value = serde_json::from_str(&said.out).expect("JSON");
-    let text = fs::read_to_string(scratch.path("identified.ron")).expect("identified.ron");
+    let text = fs::read_to_string(scratch.path("out/identified.ron")).expect("identified.ron");
     let k = result["parameters"][0]["value"].as_f64().expect("k");
     assert!((k - 1.0).abs() < 0.02, "{k}");
     assert!(text.contains(&format!("\"k\": (value: {k:?}, unit: \"N/m\", within: (0.5, 2.0))")), "{text}");
     assert!(!text.contains("Find"), "what was found of a sensor is held:\n{text}");
-    let path = scratch.path("identified.ron");
+    let path = scratch.path("out/identified.ron");
     let run = phisindy(&["simulate", &path, "--data", &folder]);
     assert_eq!(run.code, 0, "{}", run.err);
     assert_eq!(run.out.lines().next(), Some("record,t,x,x_model,y_model"));
@@ -148,13 +148,14 @@ fn what_a_validate_record_adapts_is_told_kept_and_not_scored() {
     );
     let path = scratch.path("case.ron");
     fs::write(&path, spec).expect("written");
-    let said = phisindy(&["run", &path, "--data", &folder, "--out", &folder, "--format", "text"]);
+    let said =
+        phisindy(&["run", &path, "--data", &folder, "--out", &scratch.path("out"), "--format", "text"]);
     assert_eq!(said.code, 0, "{}{}", said.out, said.err);
     assert!(!said.out.contains("not fitted"), "{}", said.out);
     assert!(said.out.contains("b: adapted on its first 14.98 s: phi = 2.0"), "{}", said.out);
     // Its own phase is also what its coefficients are compared with.
     assert!(!said.out.contains("by b alone"), "{}", said.out);
-    let result = fs::read_to_string(scratch.path("result.json")).expect("result.json");
+    let result = fs::read_to_string(scratch.path("out/result.json")).expect("result.json");
     let result: Value = serde_json::from_str(&result).expect("JSON");
     let b = &result["records"][1];
     assert_eq!(b["adapted"]["samples"], 750);
@@ -167,13 +168,14 @@ fn what_a_validate_record_adapts_is_told_kept_and_not_scored() {
         .collect();
     assert_eq!(own, ["phi", "x.offset"]);
     assert!(result["records"][0]["adapted"].is_null());
-    let run = phisindy(&["simulate", &scratch.path("identified.ron"), "--data", &folder, "--record", "b"]);
+    let run =
+        phisindy(&["simulate", &scratch.path("out/identified.ron"), "--data", &folder, "--record", "b"]);
     assert_eq!(run.code, 0, "{}", run.err);
     let (x, model) = (column(&run.out, "x"), column(&run.out, "x_model"));
     let miss = nrmse(&x[750..], &model[750..]);
     let told = b["nrmse"]["x"].as_f64().expect("it");
     assert!((miss - told).abs() < 1e-6 * told && told < 0.03, "{miss} {told}");
-    let html = fs::read_to_string(scratch.path("report.html")).expect("report.html");
+    let html = fs::read_to_string(scratch.path("out/report.html")).expect("report.html");
     assert!(html.contains("What Validate records were given of their own"));
 }
 

@@ -21,6 +21,7 @@ mod program;
 mod records;
 mod reference;
 mod report;
+mod results;
 mod structure;
 mod sweep;
 mod terminal;

@@ -340,10 +340,7 @@ fn help_begins_with_what_a_command_takes_and_ends_with_examples() {
         let at =
             |words: &str| said.out.find(words).unwrap_or_else(|| panic!("{command}: {words}: {}", said.out));
         assert!(at("Usage:") < at("Arguments:"), "{command}");
-        assert!(
-            at("Arguments:") < at("Options of all commands:")
-                && at("Options of all commands:") < at("Examples:")
-        );
+        assert!(at("Arguments:") < at("Common options:") && at("Common options:") < at("Examples:"));
         assert_eq!(phisindy(&[command, "-h"]).out, said.out, "{command}");
     }
 }

@@ -15,27 +15,27 @@ process part {
     tuple path(spec), val(number)
 
     output:
-    path "sweep-${number}-of-${params.parts}.jsonl"
+    path "part/sweep-${number}-of-${params.parts}.jsonl"
 
     script:
     """
     phisindy sweep ${spec} --seeds ${params.seeds} --shard ${number}/${params.parts} \
-        --jobs ${task.cpus} --quiet --out . > /dev/null
+        --jobs ${task.cpus} --quiet --out part > /dev/null
     """
 }
 
 process table {
-    publishDir 'sweep', mode: 'copy'
+    publishDir 'sweep', mode: 'copy', saveAs: { 'sweep.json' }
 
     input:
     path journals
 
     output:
-    path 'sweep.json'
+    path 'table/sweep.json'
 
     script:
     """
-    phisindy sweep --merge . --out . > /dev/null
+    phisindy sweep --merge . --out table > /dev/null
     """
 }
 

@@ -3,6 +3,8 @@
 use crate::limit::Limit;
 use crate::sweep::shard::Shard;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use clap::error::ErrorKind;
+use clap::parser::ValueSource;
 use clap::{CommandFactory, Parser, Subcommand, ValueEnum};
 use phisindy::files::{Assignment, Naming, Request};
 use phisindy_phys::spec::Method;
@@ -29,7 +31,7 @@ Examples:
 
 const CODES: &str = "\
 The result goes to standard output, everything else to standard error.
-Exit codes: 0 identified; 1 ran, but the result is rejected; 2 the spec, its files or the command line are wrong;
+Exit codes: 0 identified; 1 ran, but the result is rejected; 2 the spec, its files or the command line are wrong; \
 3 the numerics failed, or --limit was met (what was finished is printed); 130 interrupted (the same).";
 
 /// Find the missing part of a mechanical model - above all friction - in measured motion.
@@ -58,7 +60,18 @@ pub(crate) fn command_line() -> clap::Command {
             [rest, examples].into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join("\n\n");
         command.before_help(None::<&str>).after_help(after)
     };
-    Args::command().mut_subcommands(reordered)
+    description().mut_subcommands(reordered)
+}
+
+/// The command line as manual pages and completions show it: no command has options that mean nothing to it.
+pub(crate) fn description() -> clap::Command {
+    let options = <Options as clap::Args>::augment_args(clap::Command::new(""));
+    let fitting = |command: clap::Command| {
+        let name = command.get_name().to_owned();
+        let unused = options.get_arguments().filter(|arg| !is_taken(arg.get_id().as_str(), &name));
+        unused.fold(command, |command, arg| command.arg(arg.clone().hide(true)))
+    };
+    Args::command().mut_subcommands(fitting)
 }
 
 /// What to do.
@@ -94,7 +107,7 @@ Examples:
   phisindy run specs/emps.ron --data DIR --out emps
   phisindy simulate emps/identified.ron --data DIR > emps.csv",
         after_help = "\
-Columns: NAME as recorded (synthetic: with noise), NAME_true the exact state of synthetic data, NAME_model the free run of the model along a
+Columns: NAME as recorded (synthetic: with noise), NAME_true the exact state of synthetic data, NAME_model the free run of the model along a \
 measured record, from the record's `start` or else its first sample; then the inputs."
     )]
     Simulate {
@@ -128,8 +141,8 @@ Examples:
   phisindy new run1.csv --out run1.ron --force  the same in place of what is there
   phisindy new acc.txt --rate 1000 --out a.ron  a file without times: 1000 rows per second",
         after_help = "\
-Guessed are the separator, the decimal mark, units in the headings (`x_mm`, `x [mm]`, `t/s`), which column is time, displacement, base motion or force,
-rows to leave out, and numbers to start from. What the guess rests on stands in comments; what must be looked at is marked EDIT. At most one million
+Guessed are the separator, the decimal mark, units in the headings (`x_mm`, `x [mm]`, `t/s`), which column is time, displacement, base motion or force, \
+rows to leave out, and numbers to start from. What the guess rests on stands in comments; what must be looked at is marked EDIT. At most one million \
 rows are read."
     )]
     New(NewArgs),
@@ -198,8 +211,8 @@ Examples:
   phisindy export case7 --to fmu --out case7.fmu            for Simulink, Dymola, OpenModelica: FMI 3.0
   phisindy export found/completed.ron --to json             what `gap` found, as data, on standard output",
         after_help = "\
-The file holds the rates as a plain function, its constants by name, and the rule that decides when a contact sticks; Python and C simulate too, with
-the events that `phisindy simulate` finds. All numbers are in SI. --out is a file, or a folder in which it becomes model.py, model.c, Model.mo,
+The file holds the rates as a plain function, its constants by name, and the rule that decides when a contact sticks; Python and C simulate too, with \
+the events that `phisindy simulate` finds. All numbers are in SI. --out is a file, or a folder in which it becomes model.py, model.c, Model.mo, \
 model.fmu or model.json; what is there is replaced only with --force. Modelica is written for tools that know the friction elements of its standard library."
     )]
     Export(ExportArgs),
@@ -216,9 +229,9 @@ Examples:
   phisindy sweep specs/case1a.ron --seeds 1000 --shard 3/16 --out parts   the third of sixteen programs, on any machine
   phisindy sweep --merge parts --out sweep                                the table of all of them",
         after_help = "\
-Seeds run from S to S+N-1, S from --seed or the spec. Every combination of --noise, --cutoffs and --vary is a cell of its own. With --out DIR every
+Seeds run from S to S+N-1, S from --seed or the spec. Every combination of --noise, --cutoffs and --vary is a cell of its own. With --out DIR every \
 finished run is kept in DIR/sweep.jsonl, so that the same command goes on after an interruption; the table is in DIR/sweep.json at the end.
-A shard is kept in DIR/sweep-K-of-N.jsonl; --merge makes the same table of them as one program would, to the bit. docs/cluster has examples
+A shard is kept in DIR/sweep-K-of-N.jsonl; --merge makes the same table of them as one program would, to the bit. docs/cluster has examples \
 for Slurm, Snakemake and Nextflow.
 Exit code 1: a truth lies outside of its dictionary, or no run came to a result."
     )]
@@ -264,6 +277,14 @@ Examples:
     Man,
 }
 
+impl Command {
+    /// Whether the work asks if it should end early, and keeps what it has then.
+    pub(crate) fn keeps(&self) -> bool {
+        use Command::{Gap, Go, Open, Run, Sweep};
+        matches!(self, Run { .. } | Gap { .. } | Go(_) | Sweep(_) | Open(_))
+    }
+}
+
 /// For which file to find what is missing.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct GoArgs {
@@ -293,9 +314,6 @@ pub(crate) struct NewArgs {
     /// Rows per second, of a file without times or in place of them
     #[arg(long, value_name = "HZ", value_parser = rate)]
     pub(crate) rate: Option<f64>,
-    /// Replace the file of --out if there is one
-    #[arg(long)]
-    pub(crate) force: bool,
 }
 
 /// A number of rows per second.
@@ -332,9 +350,6 @@ pub(crate) struct ExportArgs {
     /// Record whose start state and constants are written, by name or place [default: 0, the first one]
     #[arg(long, value_name = "NAME")]
     pub(crate) record: Option<String>,
-    /// Replace the file of --out if there is one
-    #[arg(long)]
-    pub(crate) force: bool,
 }
 
 /// A language to export to, by its name.
@@ -370,9 +385,60 @@ pub(crate) struct SweepArgs {
     pub(crate) merge: Vec<PathBuf>,
 }
 
-/// How to do it; every subcommand takes all of these.
+/// To which commands an option means something, by its id.
+const TAKEN: &[(&str, &[&str])] = &[
+    ("format", &["run", "gap", "go", "sweep"]),
+    ("out", &["run", "gap", "go", "new", "export", "sweep", "laws", "man"]),
+    ("force", &["run", "gap", "go", "new", "export", "sweep", "laws"]),
+    ("data", &["run", "gap", "go", "simulate", "check", "export", "sweep", "open"]),
+    ("laws", &["run", "gap", "go", "simulate", "check", "export", "sweep", "laws", "open"]),
+    ("seed", &["run", "gap", "simulate", "check", "export", "sweep"]),
+    ("method", &["run", "sweep"]),
+    ("jobs", &["run", "gap", "go", "simulate", "check", "sweep", "open"]),
+    ("limit", &["run", "gap", "go", "new", "simulate", "check", "export", "sweep", "open"]),
+    ("quiet", &["run", "gap", "go", "new", "simulate", "check", "export", "sweep", "laws", "open"]),
+    ("sets", &["run", "gap", "go", "new", "simulate", "check", "export", "sweep"]),
+];
+
+/// Whether an option means something to a command.
+fn is_taken(option: &str, command: &str) -> bool {
+    TAKEN.iter().any(|(id, by)| *id == option && by.contains(&command))
+}
+
+/// Refuses options that mean nothing to the command: whoever gives one expects something of it.
+pub(crate) fn refuse_unused(matches: &clap::ArgMatches) -> Result<(), clap::Error> {
+    let Some((command, own)) = matches.subcommand() else { return Ok(()) };
+    let given = |id: &str| own.value_source(id) == Some(ValueSource::CommandLine);
+    let Some((id, by)) = TAKEN.iter().find(|(id, _)| given(id) && !is_taken(id, command)) else {
+        return Ok(());
+    };
+    let line = command_line();
+    let long =
+        line.get_arguments().find(|arg| arg.get_id() == id).and_then(clap::Arg::get_long).unwrap_or(id);
+    let why =
+        format!("`--{long}` means nothing to `phisindy {command}`; it is an option of {}\n", by.join(", "));
+    Err(clap::Error::raw(ErrorKind::UnknownArgument, why).with_cmd(&line))
+}
+
+/// Most threads for each core: more only take turns.
+const MOST_THREADS: usize = 16;
+
+/// A number of threads that this machine can use.
+fn threads(text: &str) -> Result<usize, String> {
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    match text.parse::<usize>() {
+        Ok(n) if (1..=MOST_THREADS * cores).contains(&n) => Ok(n),
+        _ => Err(format!(
+            "expected a number from 1 to {}, as this machine has {cores} core{}",
+            MOST_THREADS * cores,
+            if cores == 1 { "" } else { "s" }
+        )),
+    }
+}
+
+/// How to do it. Help shows a command the options that mean something to it.
 #[derive(Clone, Debug, clap::Args)]
-#[command(next_help_heading = "Options of all commands")]
+#[command(next_help_heading = "Common options")]
 pub(crate) struct Options {
     /// Form of the result
     #[arg(long, global = true, value_enum, default_value_t = Format::Latex, value_name = "FORMAT")]
@@ -387,6 +453,9 @@ pub(crate) struct Options {
                      `man`: its pages; `new`: the spec's file; `export`: the model's file, or its folder"
     )]
     pub(crate) out: Option<PathBuf>,
+    /// Use a folder of --out that holds other files too, which stay; `new`, `export`, `laws`: replace the file that is there
+    #[arg(long, global = true)]
+    pub(crate) force: bool,
     /// Folder of the data files [else: PHISINDY_DATA, then beside the spec]
     #[arg(long, global = true, value_name = "DIR")]
     pub(crate) data: Option<PathBuf>,
@@ -400,8 +469,8 @@ pub(crate) struct Options {
     #[arg(long, global = true, value_enum, value_name = "METHOD")]
     pub(crate) method: Option<MethodArg>,
     /// Number of threads [default: all]
-    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
-    pub(crate) jobs: Option<u16>,
+    #[arg(long, global = true, value_name = "N", value_parser = threads)]
+    pub(crate) jobs: Option<usize>,
     /// Longest time and most memory, as in 10min, 4GB or 10min,4GB, or none [default: 24h,8GB]
     #[arg(long, global = true, value_name = "LIMIT", value_parser = Limit::parse)]
     pub(crate) limit: Option<Limit>,

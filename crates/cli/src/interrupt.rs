@@ -1,4 +1,4 @@
-//! Early ends of work: Ctrl-C, or a limit. The first Ctrl-C requests that the work ends, the second one ends
+//! Early ends of work: a signal, or a limit. The first signal requests that the work ends, a second Ctrl-C ends
 //! the program. A limit ends the program if the work does not end soon after it is met.
 
 use crate::limit::{Limit, resident_memory};
@@ -10,30 +10,77 @@ use std::time::{Duration, Instant};
 
 static REQUESTED: AtomicBool = AtomicBool::new(false);
 static MET: OnceLock<StopReason> = OnceLock::new();
+/// The signal that came first.
+static SIGNAL: OnceLock<&str> = OnceLock::new();
 
-/// Exit code after Ctrl-C.
+/// The name of the signal that a terminal sends.
+const CTRL_C: &str = "Ctrl-C";
+/// Exit code after a signal.
 const INTERRUPTED: u8 = 130;
 /// Interval between checks of the limits.
 const TICK: Duration = Duration::from_millis(20);
-/// Time that work has to end after a limit is met.
-const GRACE: Duration = Duration::from_secs(10);
+/// Time that work has to end after a limit is met: with a million samples a last run along all of them and the
+/// errors of its numbers take minutes.
+const GRACE: Duration = Duration::from_secs(600);
+/// Whether the work has ended, and what it found is being written.
+static ENDED: AtomicBool = AtomicBool::new(false);
 
-/// Installs the handler of Ctrl-C and starts to check the limits. Without the handler Ctrl-C ends the program
-/// at once.
-pub(crate) fn listen(limit: Limit) {
-    let _ = ctrlc::set_handler(|| {
-        if REQUESTED.swap(true, Ordering::SeqCst) {
-            std::process::exit(i32::from(INTERRUPTED));
-        }
-    });
+/// Starts to check the limits, and listens to signals if the work keeps what it has: other work they end at once,
+/// as a limit does.
+pub(crate) fn listen(limit: Limit, keeps: bool) {
+    if keeps {
+        listen_to_signals();
+    }
     if limit != (Limit { time: None, memory: None }) {
         // The handle is not needed: the thread ends with the program.
-        let _ = std::thread::Builder::new().name("limit".to_owned()).spawn(move || watch(limit));
+        let _ = std::thread::Builder::new().name("limit".to_owned()).spawn(move || watch(limit, keeps));
+    }
+}
+
+/// Hears the signals that ask for an end: Ctrl-C, the end of a batch job, a terminal that is closed.
+#[cfg(unix)]
+fn listen_to_signals() {
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+    // `nohup` asks to go on without a terminal.
+    let all = [SIGINT, SIGTERM, SIGHUP].into_iter().filter(|&signal| signal != SIGHUP || !is_ignored(SIGHUP));
+    let Ok(mut signals) = signal_hook::iterator::Signals::new(all) else { return };
+    let _ = std::thread::Builder::new().name("signals".to_owned()).spawn(move || {
+        signals.forever().for_each(|signal| {
+            request(match signal {
+                SIGTERM => "SIGTERM",
+                SIGHUP => "SIGHUP",
+                _ => CTRL_C,
+            });
+        });
+    });
+}
+
+/// Whether the program was started so that it does not hear a signal, where the system tells.
+#[cfg(unix)]
+fn is_ignored(signal: i32) -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok())
+        .is_some_and(|mask| mask >> (signal - 1) & 1 == 1)
+}
+
+/// Windows tells neither which event it was nor waits long for the end of the program.
+#[cfg(not(unix))]
+fn listen_to_signals() {
+    let _ = ctrlc::set_handler(|| request(CTRL_C));
+}
+
+/// Requests the end of the work. Whoever presses Ctrl-C a second time does not want to wait. Other signals
+/// come twice by themselves: from the system and from a shell.
+fn request(signal: &'static str) {
+    let _ = SIGNAL.set(signal);
+    if REQUESTED.swap(true, Ordering::SeqCst) && signal == CTRL_C {
+        std::process::exit(i32::from(INTERRUPTED));
     }
 }
 
 /// Checks time and memory until a limit is met, then whether the work ends.
-fn watch(limit: Limit) {
+fn watch(limit: Limit, keeps: bool) {
     let begin = Instant::now();
     let met = loop {
         std::thread::sleep(TICK);
@@ -50,10 +97,14 @@ fn watch(limit: Limit) {
     let since = Instant::now();
     let beyond =
         || limit.memory.is_some_and(|most| resident_memory().is_some_and(|now| now > most + most / 4));
-    while since.elapsed() < GRACE && !beyond() {
+    while keeps && since.elapsed() < GRACE && !beyond() {
+        if ENDED.load(Ordering::SeqCst) {
+            return;
+        }
         std::thread::sleep(TICK);
     }
-    complain(&format!("{met}, and the work did not end by itself: nothing of it is kept; {RAISE}"));
+    let late = if keeps { ", and the work did not end by itself" } else { "" };
+    complain(&format!("{met}{late}: nothing of it is kept; {RAISE}"));
     std::process::exit(i32::from(NUMERICS));
 }
 
@@ -70,12 +121,14 @@ pub(crate) fn code() -> u8 {
     if MET.get().is_some() { NUMERICS } else { INTERRUPTED }
 }
 
-/// Why the work ended early.
-pub(crate) fn reason() -> StopReason {
-    MET.get().copied().unwrap_or(StopReason::Interrupt)
+/// Why the work ended early. What it found is kept from here on, however long that takes.
+pub(crate) fn ended() -> StopReason {
+    ENDED.store(true, Ordering::SeqCst);
+    let signal = || StopReason::Signal(SIGNAL.get().unwrap_or(&CTRL_C));
+    MET.get().copied().unwrap_or_else(signal)
 }
 
-/// Reports that a limit was met, with advice. After Ctrl-C there is nothing to report.
+/// Reports that a limit was met, with advice. After a signal there is nothing to report.
 pub(crate) fn tell() {
     if let Some(met) = MET.get() {
         complain(&format!("{met}: what was finished is kept; {RAISE}"));

@@ -17,7 +17,7 @@ mod progress;
 mod sweep;
 mod terminal;
 
-use crate::args::{Args, Command, Options, command_line};
+use crate::args::{Args, Command, Options, command_line, refuse_unused};
 use crate::limit::Limit;
 use anyhow::{Context, Result, anyhow};
 use clap::FromArgMatches;
@@ -40,7 +40,8 @@ pub fn program(line: impl Iterator<Item = OsString>) -> u8 {
     let form = args.options.line.iter().any(|word| word == "--format" || word.starts_with("--format="));
     args.options.look = terminal::look().filter(|_| !form);
     let unlimited = matches!(args.command, Command::Open(_));
-    interrupt::listen(args.options.limit.unwrap_or(if unlimited { Limit::none() } else { Limit::default() }));
+    let limit = args.options.limit.unwrap_or(if unlimited { Limit::none() } else { Limit::default() });
+    interrupt::listen(limit, args.command.keeps());
     match execute(&args) {
         Ok(code) => code,
         // The reader of the result has closed the pipe.
@@ -60,7 +61,11 @@ pub fn drawn(error: &SpecError) -> String {
 /// The words of a command line. A file in place of a command, and a misspelt command, get a suggestion.
 fn parsed(line: &[OsString]) -> Result<Args, clap::Error> {
     let matches = command_line().try_get_matches_from(line);
-    matches.and_then(|matches| Args::from_arg_matches(&matches)).map_err(|mut error| {
+    let read = |matches: clap::ArgMatches| {
+        refuse_unused(&matches)?;
+        Args::from_arg_matches(&matches)
+    };
+    matches.and_then(read).map_err(|mut error| {
         let word = match error.get(ContextKind::InvalidSubcommand) {
             Some(ContextValue::String(word)) => word.clone(),
             _ => String::new(),
@@ -125,7 +130,7 @@ fn execute(args: &Args) -> Result<u8> {
 fn start_threads(options: &Options) -> Result<()> {
     if let Some(jobs) = options.jobs {
         rayon::ThreadPoolBuilder::new()
-            .num_threads(usize::from(jobs))
+            .num_threads(jobs)
             .build_global()
             .context("cannot start the threads of --jobs")?;
     }

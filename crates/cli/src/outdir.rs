@@ -1,13 +1,59 @@
-//! The folder of `--out`: created and tested before the work starts. A file appears in it as a whole or not
-//! at all.
+//! What `--out` names: the folder of a result, which appears as a whole, or one in which files are written one
+//! by one (`sweep`, `laws`, `man`), each as a whole.
 
-use anyhow::{Context, Result, bail};
-use phisindy_report::spec_text::head;
-use std::fs::{self, File};
-use std::io::{self, Write};
+use crate::args::Options;
+use crate::terminal::remark;
+use anyhow::{Context, Result, anyhow, bail};
+use phisindy::files::{FolderError, Kept, ResultFolder, write_whole};
+use phisindy_report::Folder;
+use std::ffi::OsString;
+use std::fs;
 use std::path::{Path, PathBuf};
 
-/// A writable folder.
+/// The folder of the result of one spec.
+pub(crate) struct Results {
+    folder: ResultFolder,
+    quiet: bool,
+}
+
+impl Results {
+    /// Looks before the work whether the result can be put there.
+    pub(crate) fn prepare(path: &Path, spec: &Path, options: &Options) -> Result<Results> {
+        let folder = ResultFolder::prepare(path, Some(spec), options.force).map_err(|why| match why {
+            FolderError::Occupied(why) => {
+                anyhow!("--out: {why}: choose another folder, or put the result among them with --force")
+            }
+            FolderError::Unfit(why) => anyhow!("--out: {why}: choose another folder"),
+        })?;
+        Ok(Results { folder, quiet: options.quiet })
+    }
+
+    /// The path of the folder.
+    pub(crate) fn path(&self) -> &Path {
+        self.folder.path()
+    }
+
+    /// Puts the files there, says where an earlier result is now, and returns where this one is.
+    pub(crate) fn put(&self, files: &Folder) -> Result<Option<PathBuf>> {
+        let shown = self.path().display();
+        let Kept { at, earlier } =
+            self.folder.put(files).with_context(|| format!("cannot write `{shown}`{ELSEWHERE}"))?;
+        let told = match (&at, &earlier) {
+            (Some(_), Some(earlier)) => {
+                Some(format!("the earlier result is kept in `{}`", earlier.display()))
+            }
+            (Some(at), None) if at != self.path() => {
+                Some(format!("`{shown}` stays as it was; this result is kept in `{}`", at.display()))
+            }
+            (Some(_), None) => None,
+            (None, _) => Some(format!("`{shown}` keeps its earlier result")),
+        };
+        told.iter().filter(|_| !self.quiet).for_each(|words| remark(words));
+        Ok(at)
+    }
+}
+
+/// A writable folder whose files are written one by one.
 pub(crate) struct OutDir(PathBuf);
 
 impl OutDir {
@@ -15,12 +61,11 @@ impl OutDir {
     pub(crate) fn create(path: &Path) -> Result<OutDir> {
         fs::create_dir_all(path)
             .with_context(|| format!("cannot make the folder `{}` of --out{ELSEWHERE}", path.display()))?;
-        let dir = OutDir(path.to_owned());
-        let probe = dir.temporary("probe");
+        let probe = path.join(format!(".probe.{}.part", std::process::id()));
         fs::write(&probe, b"").and_then(|()| fs::remove_file(&probe)).with_context(|| {
             format!("cannot write into the folder `{}` of --out{ELSEWHERE}", path.display())
         })?;
-        Ok(dir)
+        Ok(OutDir(path.to_owned()))
     }
 
     /// The path of the folder.
@@ -28,39 +73,32 @@ impl OutDir {
         &self.0
     }
 
-    /// Writes a file, first under another name, so that it appears as a whole or not at all.
+    /// Writes a file.
     pub(crate) fn write(&self, name: &str, content: impl AsRef<[u8]>) -> Result<()> {
-        let (temporary, path) = (self.temporary(name), self.0.join(name));
-        whole(&temporary, content.as_ref())
-            .and_then(|()| fs::rename(&temporary, &path))
-            .inspect_err(|_| drop(fs::remove_file(&temporary)))
-            .with_context(|| format!("cannot write `{}`{ELSEWHERE}", path.display()))
+        replace_file(&self.0.join(name), content)
     }
 
-    /// Refuses a folder with the results of another command: mixed results could not be told apart.
-    pub(crate) fn without(&self, other: &str, name: &str) -> Result<()> {
-        let path = self.0.join(name);
-        let ours = fs::read_to_string(&path).is_ok_and(|text| text.starts_with(&head(other)));
-        if ours {
-            bail!(
-                "the folder `{}` of --out holds what `phisindy {other}` found ({name}): choose another one, or delete it",
-                self.0.display()
-            );
+    /// Refuses a folder with files that are none of these, unless `force`; and links, which lead elsewhere.
+    pub(crate) fn only(self, ours: impl Fn(&str) -> bool, force: bool) -> Result<OutDir> {
+        let shown = self.0.display();
+        if self.0.is_symlink() {
+            bail!("--out: `{shown}` is a link: name the folder that it leads to");
         }
-        Ok(())
+        for entry in fs::read_dir(&self.0).into_iter().flatten().flatten() {
+            let (name, plain) = (entry.file_name(), entry.file_type().is_ok_and(|kind| kind.is_file()));
+            let known = name.to_str().is_some_and(&ours);
+            if known && !plain {
+                bail!("--out: `{}` in `{shown}` is no plain file: choose another folder", name.display());
+            }
+            if !known && !force {
+                bail!(
+                    "--out: the folder `{shown}` holds what is no result: `{}`: choose another folder, or put the result among them with --force",
+                    name.display()
+                );
+            }
+        }
+        Ok(self)
     }
-
-    fn temporary(&self, name: &str) -> PathBuf {
-        self.0.join(format!(".{name}.{}.part", std::process::id()))
-    }
-}
-
-/// Writes a file and flushes it to the disk, so that even after a power cut no name points to a part of a
-/// file.
-fn whole(path: &Path, content: &[u8]) -> io::Result<()> {
-    let mut file = File::create(path)?;
-    file.write_all(content)?;
-    file.sync_all()
 }
 
 /// Advice if nothing can be written.
@@ -69,7 +107,7 @@ const ELSEWHERE: &str =
 
 /// Refuses to replace a file without `--force`: it may contain hours of edits.
 pub(crate) fn unless_there(path: &Path, force: bool) -> Result<()> {
-    if path.exists() && !force {
+    if path.symlink_metadata().is_ok() && !force {
         bail!(
             "`{}` is there already and is left as it is: choose another name, or replace it with --force",
             path.display()
@@ -80,21 +118,23 @@ pub(crate) fn unless_there(path: &Path, force: bool) -> Result<()> {
 
 /// Writes a file, or replaces it.
 pub(crate) fn replace_file(path: &Path, content: impl AsRef<[u8]>) -> Result<()> {
-    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
-    OutDir(folder.to_owned()).write(&name, content)
+    write_whole(path, content.as_ref())
+        .with_context(|| format!("cannot write `{}`{ELSEWHERE}", path.display()))
 }
 
-/// One folder for each spec: `out` for a single spec, else a folder in it named after each spec.
-pub(crate) fn folders(out: &Path, specs: &[PathBuf]) -> Result<Vec<OutDir>> {
-    let name = |k: usize| {
-        let stem =
-            |p: &PathBuf| p.file_stem().map_or("spec".to_owned(), |s| s.to_string_lossy().into_owned());
-        let own = stem(&specs[k]);
-        let same = specs[..k].iter().filter(|p| stem(p) == own).count();
-        if same == 0 { own } else { format!("{own}-{}", same + 1) }
+/// The place of the result of each spec: `out` for a single spec, else a folder in it named after each spec.
+pub(crate) fn places(out: &Path, specs: &[PathBuf], options: &Options) -> Result<Vec<Results>> {
+    let stem = |path: &Path| path.file_stem().map_or("spec".into(), OsString::from);
+    let place = |k: usize| {
+        if specs.len() == 1 {
+            return out.to_owned();
+        }
+        let mut own = stem(&specs[k]);
+        let same = specs[..k].iter().filter(|path| stem(path) == own).count();
+        if same > 0 {
+            own.push(format!("-{}", same + 1));
+        }
+        out.join(own)
     };
-    (0..specs.len())
-        .map(|k| OutDir::create(&if specs.len() == 1 { out.to_owned() } else { out.join(name(k)) }))
-        .collect()
+    specs.iter().enumerate().map(|(k, spec)| Results::prepare(&place(k), spec, options)).collect()
 }

@@ -163,7 +163,7 @@ pub(crate) fn sweep(plan: &Plan, journal: &mut Journal, title: &str) -> Result<O
     let next = Arc::new(AtomicUsize::new(0));
     let (sender, receiver) = channel();
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let jobs = plan.options.jobs.map_or(cores, usize::from).min(total);
+    let jobs = plan.options.jobs.unwrap_or(cores).min(total);
     let mut pools = Vec::new();
     for _ in 0..jobs {
         let pool = rayon::ThreadPoolBuilder::new()

@@ -19,6 +19,8 @@ pub struct Symbol(pub u32);
 pub struct Names {
     names: Vec<String>,
     index: HashMap<String, Symbol>,
+    /// Names that mean the rate of another one: LaTeX writes them as that one with a dot.
+    rates: HashMap<Symbol, Symbol>,
 }
 
 impl Names {
@@ -44,6 +46,16 @@ impl Names {
     /// If the symbol comes from another table.
     pub fn name(&self, symbol: Symbol) -> &str {
         &self.names[symbol.0 as usize]
+    }
+
+    /// Says that a symbol means the rate of another one.
+    pub fn mark_rate(&mut self, symbol: Symbol, of: Symbol) {
+        self.rates.insert(symbol, of);
+    }
+
+    /// The symbol whose rate it means, if that was said.
+    pub fn rate_of(&self, symbol: Symbol) -> Option<Symbol> {
+        self.rates.get(&symbol).copied()
     }
 }
 

@@ -1,6 +1,6 @@
 //! Graphs to text: LaTeX for readers, and plain text that parses again.
 
-use crate::{Binary, Graph, Id, Names, Node, Unary};
+use crate::{Binary, Graph, Id, Names, Node, Symbol, Unary};
 use std::fmt::Write;
 
 /// Precedence of a product, above which signs and sums need parentheses.
@@ -59,7 +59,7 @@ impl Graph {
             match (self.node(id), style) {
                 (Node::Constant(bits), Style::Latex) => out.push_str(&latex_number(f64::from_bits(bits), 4)),
                 (Node::Constant(bits), Style::Text) => out.push_str(&number(f64::from_bits(bits))),
-                (Node::Symbol(s), Style::Latex) => out.push_str(&latex_name(names.name(s))),
+                (Node::Symbol(s), Style::Latex) => out.push_str(&latex_symbol(s, names)),
                 (Node::Symbol(s), Style::Text) => out.push_str(names.name(s)),
                 _ => {}
             }
@@ -254,6 +254,13 @@ fn trimmed(text: &str) -> &str {
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { text }
 }
 
+fn latex_symbol(symbol: Symbol, names: &Names) -> String {
+    match names.rate_of(symbol) {
+        Some(of) => latex_rate(names.name(of)),
+        None => latex_name(names.name(symbol)),
+    }
+}
+
 /// A name in LaTeX: Greek letters by name, trailing digits as an index, longer names upright.
 ///
 /// ```
@@ -285,5 +292,19 @@ pub fn latex_name(name: &str) -> String {
         "" => stem,
         digits if digits.chars().all(|c| c.is_ascii_digit()) => format!("{stem}_{{{digits}}}"),
         word => format!("{stem}_{{\\mathrm{{{}}}}}", word.replace('_', "\\_")),
+    }
+}
+
+/// The rate of a name in LaTeX, the name with a dot above it.
+///
+/// ```
+/// use phisindy_expr::latex_rate;
+/// assert_eq!(latex_rate("y1"), "\\dot{y}_{1}");
+/// ```
+pub fn latex_rate(name: &str) -> String {
+    let latex = latex_name(name);
+    match latex.find("_{") {
+        Some(at) => format!("\\dot{{{}}}{}", &latex[..at], &latex[at..]),
+        None => format!("\\dot{{{latex}}}"),
     }
 }

@@ -24,7 +24,7 @@ pub struct RecordDraft {
     pub rows: Vec<(String, f64)>,
     /// Number of the run, if no column counts the runs (`run`).
     pub run: Option<usize>,
-    /// First and last time, in the unit of the file (`window`).
+    /// First and last time, in the unit of the file.
     pub window: Option<(f64, f64)>,
     /// Whether rows without a value are left out (`missing`).
     pub omits_missing: bool,

@@ -1,8 +1,9 @@
-//! Specs and their data on disk. This is the one module of the library that reads files; it writes none.
+//! Specs, their data and results on disk. This is the one module of the libraries that reads and writes files.
 //!
 //! ```text
 //! path --spec_text--> text --with_assignments--> text --load_text--> Loaded: case and records
 //!                                                  +-- Folders: where data files are; catalogue: where laws are
+//! result --ResultFolder--> a folder that appears as a whole (write_whole: a file that does)
 //! ```
 //!
 //! ```no_run
@@ -19,11 +20,15 @@ mod folders;
 mod laws;
 mod load;
 mod request;
+mod results;
 mod trends;
+mod whole;
 
 pub use columns::Columns;
 pub(crate) use columns::headings;
-pub use folders::{open_plain_file, opened};
-pub use laws::{LawFolderError, beside, catalogue, doubts};
+pub use folders::{data_file, named_files, open_plain_file, opened};
+pub use laws::{LawFolderError, beside, catalogue, doubts, law_files};
 pub use load::{Purpose, Refusal, load, load_text, open, open_text, spec_text, start_of, with_assignments};
 pub use request::{Assignment, Naming, Request};
+pub use results::{FolderError, Kept, ResultFolder};
+pub use whole::write_whole;

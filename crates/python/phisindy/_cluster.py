@@ -69,8 +69,8 @@ def map(
 
     A case is a ``Case`` or a pair of a ``Case`` and its data. One that fails is a ``Failed`` with the reason, and the
     others go on. ``out`` is a file of JSON lines that keeps every result as it comes: the same call goes on from there,
-    and tries again what failed. A case counts as the same if its text, its folder, its tables and ``options`` are; what
-    stands in files that it names is not looked at. ``options`` go to the function (``method="step"``); ``progress`` as
+    and tries again what failed. A case counts as the same if its text, its folder, its tables, the contents of the files
+    that it names, the laws and ``options`` are. ``options`` go to the function (``method="step"``); ``progress`` as
     of ``sweep``. A function of your own takes what ``run`` takes, and returns what it returns.
     """
     name = _called(function, options)

@@ -37,7 +37,8 @@ class Journal:
     def __init__(self, path: str | os.PathLike[str] | None, works: Sequence[Work]) -> None:
         self._path = None if path is None else path_of("out", path)
         self._file: IO[str] | None = None
-        self._keys = [] if path is None else [_key(work) for work in works]
+        contents: dict[Path, bytes] = {}
+        self._keys = [] if path is None else [_key(work, contents) for work in works]
         self._results = {} if self._path is None else _read(self._path)
 
     def kept(self, place: int) -> dict[str, Any] | None:
@@ -76,8 +77,8 @@ class Journal:
             pass
 
 
-def _key(work: Work) -> str:
-    """A name for all that a result depends on."""
+def _key(work: Work, contents: dict[Path, bytes]) -> str:
+    """A name for all that a result depends on; ``contents`` are those of files that were read before."""
     name, case, data, options = work
     digest = hashlib.sha256()
 
@@ -86,6 +87,11 @@ def _key(work: Work) -> str:
 
     for text in (_native.__version__, name, case.text, str(case.folder), json.dumps(options, sort_keys=True, default=str)):
         add(text)
+    laws = options.get("laws")
+    for file in case._native.files(data is not None, None if laws is None else path_of("laws", laws)):
+        if file not in contents:
+            contents[file] = _content(file)
+        digest.update(contents[file])
     try:
         for columns in tables(data):
             add(str(len(columns)))
@@ -96,6 +102,18 @@ def _key(work: Work) -> str:
         # A table that is none has no columns: the run itself will say so.
         add(str(error))
     return digest.hexdigest()
+
+
+def _content(path: Path) -> bytes:
+    """A digest of a file; of one that cannot be read, nothing: the run itself will say so."""
+    digest = hashlib.sha256()
+    try:
+        with open(path, "rb") as file:
+            while block := file.read(1 << 20):
+                digest.update(block)
+    except OSError:
+        return b""
+    return digest.digest()
 
 
 def _read(path: Path) -> dict[str, dict[str, Any]]:

@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _native
-from ._arguments import number_of
+from ._arguments import number_of, path_of
 from ._case import Case, case_at
 from ._errors import DataError
 from ._tables import Columns, table
@@ -134,17 +134,15 @@ class _Result:
         found: dict[str, Any] = json.loads(self._native.json())
         return found
 
-    def save(self, folder: str | os.PathLike[str]) -> Path:
-        """Writes the folder that ``--out`` of the command writes: report.html, result.json, the model."""
-        try:
-            folder = Path(folder)
-            for name, text in self._files.items():
-                path = folder / name
-                path.parent.mkdir(parents=True, exist_ok=True)
-                path.write_text(text, encoding="utf-8")
-        except (OSError, TypeError, ValueError) as error:
-            raise DataError(f"cannot write the folder `{folder}`: {error}") from error
-        return folder
+    def save(self, folder: str | os.PathLike[str], *, force: bool = False) -> Path:
+        """Writes the folder that ``--out`` of the command writes: report.html, result.json, the model.
+
+        It appears as a whole; an earlier result is kept beside, as ``folder.1``. A folder that holds other files is
+        refused; ``force`` puts the result among them.
+        """
+        path = path_of("folder", folder)
+        _native.save(list(self._files.items()), path, force)
+        return path
 
     def simulate(
         self, t: Any, inputs: Any = None, start: Mapping[str, float] | None = None

@@ -3,7 +3,9 @@
 use crate::errors::{DataError, Failure, raised, spec_error};
 use crate::table::{Slices, Table, columns, slices};
 use crate::work::{Observe, Stop, worked};
-use phisindy::files::{Naming, Purpose, Request, open_text};
+use phisindy::files::{
+    FolderError, Naming, Purpose, Request, ResultFolder, law_files, named_files, open_text,
+};
 use phisindy::{
     Case, Catalogue, Error, Folder, Format, Gap, Identified, Loaded, Method, Options, RecordError,
 };
@@ -14,7 +16,8 @@ use std::time::Instant;
 pub(crate) fn add(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_class::<NativeCase>()?;
     m.add_class::<NativeRun>()?;
-    m.add_class::<NativeGap>()
+    m.add_class::<NativeGap>()?;
+    m.add_function(wrap_pyfunction!(save, m)?)
 }
 
 /// A checked spec, and its path: its data files are beside it.
@@ -73,6 +76,13 @@ impl NativeCase {
     #[getter]
     fn synthetic(&self) -> bool {
         self.case.has_synthetic()
+    }
+
+    /// The files that a result depends on: data unless tables stand in their place, and laws, those of a folder too.
+    fn files(&self, py: Python<'_>, tables: bool, laws: Option<PathBuf>) -> Vec<PathBuf> {
+        let request = Request { further_data: further_data(py), laws, ..Request::default() };
+        let data = if tables { vec![] } else { named_files(self.case.text(), &self.path, &request) };
+        data.into_iter().chain(law_files(&self.path, &request)).collect()
     }
 
     #[getter]
@@ -155,6 +165,17 @@ fn method(name: Option<&str>) -> PyResult<Option<Method>> {
 fn catalogue(folder: Option<PathBuf>) -> PyResult<Option<Catalogue>> {
     let all = folder.map(|folder| phisindy::files::catalogue(&[&folder]));
     all.transpose().map_err(|e| DataError::new_err(e.to_string()))
+}
+
+/// Puts the files of a result, path and text of each, into a folder.
+#[pyfunction]
+fn save(files: Vec<(String, String)>, folder: PathBuf, force: bool) -> PyResult<()> {
+    let place = ResultFolder::prepare(&folder, None, force).map_err(|why| {
+        let allowed = if matches!(why, FolderError::Occupied(_)) { ", or `force=True`" } else { "" };
+        DataError::new_err(format!("cannot write a result: {why}: give another folder{allowed}"))
+    })?;
+    let cannot = |why| DataError::new_err(format!("cannot write the folder `{}`: {why}", folder.display()));
+    place.put(&Folder { files, lacks: None }).map(drop).map_err(cannot)
 }
 
 /// What `run` found.

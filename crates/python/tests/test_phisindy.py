@@ -141,12 +141,51 @@ def test_what_was_found_predicts(found):
     assert rates["v"] == pytest.approx([-1.0 - friction, -1.0 + friction], abs=1e-12)
 
 
+def test_a_journal_knows_files_by_their_content(tmp_path):
+    """A file that changes under its name is another case; so is a law."""
+    calls = []
+
+    def run(case, data, **options):
+        calls.append(case)
+        return phisindy.run(case, data, **options)
+
+    def written(scale):
+        rows = "".join(f"{t},{scale * x}\n" for t, x in zip(*swing().values()))
+        (tmp_path / "a.csv").write_text("t,x\n" + rows)
+
+    written(1.0)
+    record = 'Csv(path: "a.csv", time: "t", columns: { "x": "x" })'
+    case = phisindy.Case(SPEC.rstrip().removesuffix(")") + f", data: [{record}])", folder=tmp_path)
+    out = tmp_path / "kept.jsonl"
+    for change, expected in [(None, 1), (None, 1), (lambda: written(1.1), 2), (lambda: written(1.0), 2)]:
+        if change is not None:
+            change()
+        phisindy.map(run, [case], out=out, jobs=1)
+        assert len(calls) == expected
+    (tmp_path / "laws").mkdir()
+    law = (TOP / "specs/laws/coulomb.ron").read_text()
+    (tmp_path / "laws/mine.ron").write_text(law)
+    phisindy.map(run, [case], out=out, jobs=1)
+    assert len(calls) == 3
+
+
 def test_a_folder_is_saved(found, tmp_path):
     found.save(tmp_path / "out")
     names = {p.name for p in (tmp_path / "out").iterdir()}
     assert {"report.html", "result.json", "identified.ron", "equation.tex"} <= names
     again = phisindy.Case.from_file(tmp_path / "out/identified.ron")
     assert again.check() == []
+
+
+def test_a_folder_is_never_mixed(found, tmp_path):
+    out = tmp_path / "out"
+    found.save(out)
+    (out / "notes.txt").write_text("mine")
+    with pytest.raises(phisindy.DataError, match="holds what is no result: `notes.txt`.*force=True"):
+        found.save(out)
+    found.save(out, force=True)
+    assert (out / "notes.txt").read_text() == "mine" and (tmp_path / "out.1/result.json").is_file()
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["out", "out.1"]
 
 
 def test_gap_names_a_law():

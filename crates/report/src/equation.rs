@@ -3,7 +3,7 @@
 mod linear_combination;
 
 use linear_combination::{LinearCombination, split};
-use phisindy_expr::{Binary, Graph, Id, Node, latex_name};
+use phisindy_expr::{Binary, Graph, Id, Names, Node, latex_rate};
 use phisindy_learn::{FoundParameter, FoundTerm};
 use phisindy_phys::{Case, System};
 use std::collections::{HashMap, HashSet};
@@ -51,8 +51,8 @@ struct Writer {
     graph: Graph,
     /// The value of each movable constant, as a node.
     values: HashMap<Id, Id>,
-    /// LaTeX of names that mean the derivative of another name.
-    dots: Vec<(String, String)>,
+    /// Those of the system; derived inputs are marked as rates.
+    names: Names,
 }
 
 impl Writer {
@@ -68,11 +68,15 @@ impl Writer {
         let derived = |k: usize| case.records.first().and_then(|first| first.derived[k]);
         let everywhere =
             |k: usize| case.records.iter().all(|r| r.derived[k].is_some() && r.derived[k] == derived(k));
-        let dots = (0..system.inputs.len()).filter(|&k| everywhere(k)).filter_map(|k| {
-            let of = derived(k)?;
-            Some((latex_name(&system.inputs[k].name), dotted(&system.inputs[of].name)))
-        });
-        Writer { graph, values, dots: dots.filter(|(name, _)| name.len() > 1).collect() }
+        let mut names = system.names.clone();
+        let symbol = |names: &Names, k: usize| names.get(&system.inputs[k].name);
+        for k in (0..system.inputs.len()).filter(|&k| everywhere(k)) {
+            let of = derived(k).and_then(|of| symbol(&names, of));
+            if let (Some(rate), Some(of)) = (symbol(&names, k), of) {
+                names.mark_rate(rate, of);
+            }
+        }
+        Writer { graph, values, names }
     }
 
     fn filled(&mut self, node: Id) -> Id {
@@ -106,16 +110,14 @@ impl Writer {
             }
             !open
         });
-        let (names, dots) = (&system.names, &self.dots);
-        let latex = |graph: &Graph, id: Id| {
-            dots.iter().fold(graph.latex(id, names), |text, (name, dotted)| text.replace(name, dotted))
-        };
+        let names = &self.names;
+        let latex = |graph: &Graph, id: Id| graph.latex(id, names);
         let text = |graph: &Graph, id: Id| graph.text(id, names);
         let graph = &mut self.graph;
         let of_brackets = brackets.iter().flat_map(|(factor, sum)| sum.nodes().chain([*factor]));
         let nodes: Vec<Id> = plain.nodes().chain(of_brackets).collect();
         let uses = graph.symbols(&nodes).into_iter().map(|s| names.name(s).to_owned()).collect();
-        let left = dotted(&system.states[state].name);
+        let left = latex_rate(&system.states[state].name);
         Equation {
             state,
             latex: format!(
@@ -160,15 +162,6 @@ fn written(
         out.push_str(&format!("{front}{open_sum}{}{close_sum}", inner.written(graph, print)));
     }
     out
-}
-
-/// A name with a dot above it: `\dot{y}_{1}`.
-fn dotted(name: &str) -> String {
-    let latex = latex_name(name);
-    match latex.find("_{") {
-        Some(at) => format!("\\dot{{{}}}{}", &latex[..at], &latex[at..]),
-        None => format!("\\dot{{{latex}}}"),
-    }
 }
 
 /// Names in the equations that have one value per record.

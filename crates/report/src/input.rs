@@ -47,6 +47,7 @@ impl Ending {
     pub(crate) fn stopped_words(&self) -> Option<String> {
         self.stopped.map(|reason| match reason {
             StopReason::Interrupt => "stopped by you".to_owned(),
+            StopReason::Signal(name) => format!("stopped by {name}"),
             limit => format!("stopped: {limit}"),
         })
     }
@@ -55,8 +56,10 @@ impl Ending {
 /// Why work ended early.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StopReason {
-    /// The user asked for it.
+    /// Who asked for the work asked for its end.
     Interrupt,
+    /// A signal to the program asked for it: `Ctrl-C`, `SIGTERM`.
+    Signal(&'static str),
     /// The limit of time is met.
     TimeLimit(Duration),
     /// The limit of memory is met, in bytes.
@@ -66,7 +69,8 @@ pub enum StopReason {
 impl fmt::Display for StopReason {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            StopReason::Interrupt => write!(f, "Ctrl-C"),
+            StopReason::Interrupt => f.write_str("it was stopped"),
+            StopReason::Signal(name) => f.write_str(name),
             StopReason::TimeLimit(time) => write!(f, "the limit of {} s is met", time.as_secs_f64()),
             StopReason::MemoryLimit(bytes) => {
                 write!(f, "the limit of {} MB of memory is met", bytes / 1_000_000)

@@ -57,7 +57,8 @@ impl Automaton {
     /// ```
     pub fn new(model: &Model) -> Result<Automaton, Unbound> {
         let mut model = model.clone();
-        let kinks = if std::env::var("NOKINKS").is_ok() { Kinks::default() } else { Kinks::replace(&mut model) };
+        let kinks =
+            if std::env::var("NOKINKS").is_ok() { Kinks::default() } else { Kinks::replace(&mut model) };
         let model = &model;
         let mut switched = Switched::new(model);
         let (kink_rates, kink_normals) = motion(&mut switched, model, &kinks.surfaces);
@@ -124,8 +125,7 @@ impl Automaton {
 fn motion(of: &mut Switched, model: &Model, surfaces: &[Id]) -> (Vec<Id>, Vec<Id>) {
     let graph = &mut of.graph;
     let one = graph.constant(1.0);
-    let given: Vec<Id> =
-        model.states.iter().chain(&model.inputs).chain(once(&model.time)).copied().collect();
+    let given: Vec<Id> = model.states.iter().chain(&model.inputs).chain(once(&model.time)).copied().collect();
     let moves: Vec<Id> = of.rates.iter().chain(&of.slopes).chain(once(&one)).copied().collect();
     let rates = surfaces.iter().map(|&w| drift(graph, w, &given, &moves)).collect();
     (rates, surfaces.iter().flat_map(|&w| graph.gradient(w, &model.states)).collect())

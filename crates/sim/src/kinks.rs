@@ -124,7 +124,8 @@ fn part(graph: &mut Graph, mode: Id, value: Id) -> Id {
 fn blunt(graph: &mut Graph, rates: &[Id], kinks: &Kinks, with: &HashMap<Id, Id>) -> Vec<Id> {
     let shares: Vec<Vec<Id>> = rates.iter().map(|&rate| graph.gradient(rate, &kinks.modes)).collect();
     let within = graph.replace(&kinks.surfaces, with);
-    let flat = |k: &usize| shares.iter().all(|of| order(graph, of[*k], [kinks.surfaces[*k], within[*k]]) >= 2.0);
+    let flat =
+        |k: &usize| shares.iter().all(|of| order(graph, of[*k], [kinks.surfaces[*k], within[*k]]) >= 2.0);
     (0..kinks.modes.len()).filter(flat).map(|k| kinks.surfaces[k]).collect()
 }
 

@@ -30,13 +30,15 @@ impl Run<'_> {
         let by = self.field.output_derivatives(&set, x.len(), &sensitivity.free);
         let width = x.len() + sensitivity.free.len();
         self.by_state.clear();
-        self.by_state.extend(by.chunks(width).take(count).flat_map(|row| &row[..x.len()]));
-        for row in by.chunks(width).take(count) {
+        for k in 0..count {
+            // Of a model without states and free parameters it is empty.
+            let row = &by[k * width..(k + 1) * width];
+            self.by_state.extend(&row[..x.len()]);
             let at = self.out.sensitivities.len();
             self.out.sensitivities.resize(at + m, 0.0);
             let out = &mut self.out.sensitivities[at..];
             out[x.len()..width].copy_from_slice(&row[x.len()..]);
-            for (a, s) in row[..x.len()].iter().zip(s.chunks(m)).filter(|(a, _)| **a != 0.0) {
+            for (a, s) in row[..x.len()].iter().zip(s.chunks(m.max(1))).filter(|(a, _)| **a != 0.0) {
                 out.iter_mut().zip(s).for_each(|(o, s)| *o += a * s);
             }
         }

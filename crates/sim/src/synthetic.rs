@@ -354,10 +354,12 @@ fn simulate_truth(
         }
     }
     let (run, smallest) = tried?;
-    let largest = |k: usize| run.states.iter().skip(k).step_by(run.n).fold(0.0_f64, |m, x| m.max(x.abs()));
+    let largest =
+        |k: usize| run.states.iter().skip(k).step_by(run.n.max(1)).fold(0.0_f64, |m, x| m.max(x.abs()));
     let scale =
         (0..n).map(|k| if largest(k) > COARSE_TOLERANCE * smallest { largest(k) } else { 1.0 }).collect();
-    let fine = Options { tolerance: TRUTH_TOLERANCE, scale, ..Default::default() };
+    // The coarse run came to its end. Between samples a stiff state may be far larger than at any of them.
+    let fine = Options { tolerance: TRUTH_TOLERANCE, scale, diverged: f64::INFINITY, ..Default::default() };
     simulate(&automaton, &drive, 0.0, start, time, &fine)
 }
 

@@ -80,8 +80,22 @@ fn compare(case: &Case, rates: fn(f64, &[f64], &mut [f64]), end: f64, tolerance:
         let step = pair[1] - pair[0];
         // Defaults but for the tolerances; see `independent.rs`.
         let mut solver = Dop853::from_param(
-            Plain(rates), pair[0], pair[1], step, z.clone(), 1e-12, 1e-12, 0.9, 0.0, 0.333, 6.0, 0.01 * step, 0.0,
-            100_000, u32::MAX, OutputType::Sparse,
+            Plain(rates),
+            pair[0],
+            pair[1],
+            step,
+            z.clone(),
+            1e-12,
+            1e-12,
+            0.9,
+            0.0,
+            0.333,
+            6.0,
+            0.01 * step,
+            0.0,
+            100_000,
+            u32::MAX,
+            OutputType::Sparse,
         );
         solver.integrate().unwrap();
         z = solver.y_out().last().unwrap().clone();
@@ -180,8 +194,12 @@ fn rest_on_a_kink_costs_nothing() {
     };
     for (force, smooth) in [("3*dead(x, g)", "3*x"), ("|x|*v", "0"), ("pos(x) + pos(-x)", "0")] {
         for (start, most) in [(0.0, 1.1), (1.0, 2.2)] {
-            let (with, without) = (tries(&oscillator(start, force), 60.0), tries(&oscillator(start, smooth), 60.0));
-            assert!(with as f64 <= most * without as f64 + 2.0, "{force} from {start}: {with} against {without}");
+            let (with, without) =
+                (tries(&oscillator(start, force), 60.0), tries(&oscillator(start, smooth), 60.0));
+            assert!(
+                with as f64 <= most * without as f64 + 2.0,
+                "{force} from {start}: {with} against {without}"
+            );
         }
     }
     // The sine touches 1 once in each period, and -1 within rounding.
@@ -195,25 +213,45 @@ fn rest_on_a_kink_costs_nothing() {
 
 #[test]
 fn zz_print() {
-    for (name, case, end) in [("stop", stop(), 12.0), ("play", play(), 20.0), ("zoo", zoo(), 20.0),
+    for (name, case, end) in [
+        ("stop", stop(), 12.0),
+        ("play", play(), 20.0),
+        ("zoo", zoo(), 20.0),
         ("drag", Case::new(&[("x", 1.0, "v"), ("v", 0.0, "-x - 0.3*|v|*v + sin(2.1*t)")], &[]), 20.0),
-        ("sat", Case::new(&[("x", 1.0, "v"), ("v", 0.0, "max(min(-3*x - 0.5*v + 3*sin(2.1*t), 1), -1)")], &[]), 20.0),
-        ("stiff wall", Case::new(&[("x", 0.3, "v"), ("v", 0.0, "-9.81 + pos(-x)*(1e6) + 10*pos(-v)*0")], &[]), 5.0),
+        (
+            "sat",
+            Case::new(&[("x", 1.0, "v"), ("v", 0.0, "max(min(-3*x - 0.5*v + 3*sin(2.1*t), 1), -1)")], &[]),
+            20.0,
+        ),
+        (
+            "stiff wall",
+            Case::new(&[("x", 0.3, "v"), ("v", 0.0, "-9.81 + pos(-x)*(1e6) + 10*pos(-v)*0")], &[]),
+            5.0,
+        ),
         ("hertz", Case::new(&[("x", 0.3, "v"), ("v", 0.0, "-9.81 + 1e5*pos(-x)^1.5")], &[]), 5.0),
     ] {
         for tolerance in [1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-13] {
             let run = case.clone().tolerance(tolerance).run_with_sensitivities(&grid(end, 400));
             let m = run.m;
             let n = run.n;
-            eprintln!("{name} {tolerance:e}: steps {} rejected {} evals {} implicit {} end {:?} S {:?}", run.steps, run.rejected, run.evaluations, run.implicit, &run.states[100*n..100*n+2],
-               &run.sensitivities[100*n*m..100*n*m+3]);
+            eprintln!(
+                "{name} {tolerance:e}: steps {} rejected {} evals {} implicit {} end {:?} S {:?}",
+                run.steps,
+                run.rejected,
+                run.evaluations,
+                run.implicit,
+                &run.states[100 * n..100 * n + 2],
+                &run.sensitivities[100 * n * m..100 * n * m + 3]
+            );
         }
     }
     // a chain of bodies
     for law in ["cd*|v{i}|*v{i}", "4*dead(x{i}-x{j}, 0.05)", "0"] {
         let n = 25;
         let mut rows: Vec<(String, f64, String)> = vec![];
-        for i in 0..n { rows.push((format!("x{i}"), 0.0, format!("v{i}"))); }
+        for i in 0..n {
+            rows.push((format!("x{i}"), 0.0, format!("v{i}")));
+        }
         for i in 0..n {
             let j = if i == 0 { 1 } else { i - 1 };
             let left = if i == 0 { "2*sin(1.7*t) - x0".to_owned() } else { format!("20*(x{}-x{i})", i - 1) };
@@ -229,7 +267,14 @@ fn zz_print() {
             let took = start.elapsed();
             let s = std::time::Instant::now();
             let _ = case.clone().tolerance(tolerance).run_with_sensitivities(&grid(20.0, 1000));
-            eprintln!("chain {law} {tolerance:e}: steps {} rejected {} evals {} {:?} S {:?}", run.steps, run.rejected, run.evaluations, took, s.elapsed());
+            eprintln!(
+                "chain {law} {tolerance:e}: steps {} rejected {} evals {} {:?} S {:?}",
+                run.steps,
+                run.rejected,
+                run.evaluations,
+                took,
+                s.elapsed()
+            );
         }
     }
 }

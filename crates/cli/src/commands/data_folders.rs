@@ -3,14 +3,15 @@
 
 use crate::args::Options;
 use phisindy::Loaded;
+use phisindy::files::data_file;
 use phisindy_phys::spec::DataSpec;
 use phisindy_report::Folder;
 use phisindy_report::spec_text::{COMPLETED, IDENTIFIED, with_data};
 use std::path::{Component, Path, PathBuf};
 
 /// Writes the folders of the data files into the heads of the specs among the files of a result.
-pub(super) fn name_data(files: &mut Folder, loaded: &Loaded, options: &Options, out: &Path) {
-    let folders = folders(loaded, options, out);
+pub(super) fn name_data(files: &mut Folder, spec: &Path, loaded: &Loaded, options: &Options, out: &Path) {
+    let folders = folders(spec, loaded, options, out);
     for (name, text) in &mut files.files {
         if name == COMPLETED || name == IDENTIFIED {
             *text = with_data(text, &folders);
@@ -19,9 +20,9 @@ pub(super) fn name_data(files: &mut Folder, loaded: &Loaded, options: &Options, 
 }
 
 /// The folders that hold a measured record, in the order in which they are searched, relative to `out`.
-fn folders(loaded: &Loaded, options: &Options, out: &Path) -> Vec<String> {
+fn folders(spec: &Path, loaded: &Loaded, options: &Options, out: &Path) -> Vec<String> {
     let request = options.request();
-    let beside = Path::new(&loaded.spec).parent().map(Path::to_owned).unwrap_or_default();
+    let beside = spec.parent().map(Path::to_owned).unwrap_or_default();
     let all = request.data.into_iter().chain(request.further_data).chain([beside]);
     let files: Vec<&str> = loaded
         .parsed
@@ -32,17 +33,17 @@ fn folders(loaded: &Loaded, options: &Options, out: &Path) -> Vec<String> {
             DataSpec::Synthetic(_) => None,
         })
         .collect();
-    let holds = |folder: &PathBuf| files.iter().any(|name| folder.join(name).is_file());
+    let holds = |folder: &PathBuf| files.iter().any(|name| data_file(folder, name).is_some());
     let mut told: Vec<String> = all.filter(holds).filter_map(|folder| relative(&folder, out)).collect();
     told.dedup();
     told
 }
 
-/// A folder as seen from another one. Both exist.
+/// A folder as seen from another one, which is not there before its result is.
 fn relative(folder: &Path, from: &Path) -> Option<String> {
     let whole =
         |path: &Path| if path.as_os_str().is_empty() { Path::new(".") } else { path }.canonicalize().ok();
-    let (folder, from) = (whole(folder)?, whole(from)?);
+    let (folder, from) = (whole(folder)?, whole(from.parent()?)?.join(from.file_name()?));
     let shared = folder.components().zip(from.components()).take_while(|(a, b)| a == b).count();
     // Another disk of Windows.
     if matches!(folder.components().nth(shared), Some(Component::Prefix(_))) {
@@ -68,5 +69,6 @@ mod tests {
         assert_eq!(seen("a/b", "a").as_deref(), Some("b"));
         assert_eq!(seen("a", "a").as_deref(), Some("."));
         assert_eq!(seen("nowhere", "a"), None);
+        assert_eq!(seen("c d", "a/new").as_deref(), Some("../../c d"));
     }
 }

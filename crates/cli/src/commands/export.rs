@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 pub(crate) fn export(args: &ExportArgs, options: &Options) -> Result<u8> {
     let spec = spec_of(&args.path)?;
     let file = options.out.as_deref().map(|out| file_of(out, args.to));
-    file.iter().try_for_each(|file| outdir::unless_there(file, args.force))?;
+    file.iter().try_for_each(|file| outdir::unless_there(file, options.force))?;
     if file.is_none() && matches!(args.to.write, Writer::Fmu(_)) {
         bail!(
             "an FMU is an archive, and no text for a terminal: say where it goes, as in --out {}",

@@ -4,13 +4,12 @@ use super::data_folders::name_data;
 use super::spec_file::{failed, invocation, keep, keep_failure, loaded};
 use crate::args::Options;
 use crate::interrupt;
-use crate::outdir;
+use crate::outdir::Results;
 use crate::progress::Progress;
 use crate::terminal::{INPUT, NUMERICS, REJECTED, print, remark, tell_report};
 use anyhow::{Result, bail};
 use phisindy::files::{Purpose, beside};
 use phisindy_gap::GapError;
-use phisindy_report::spec_text::IDENTIFIED;
 use phisindy_report::{Ending, Folder, GapReport};
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -21,10 +20,9 @@ use std::time::Instant;
 pub(crate) fn gap(spec: &Path, without: &[String], options: &Options) -> Result<u8> {
     let begin = Instant::now();
     let folder = match &options.out {
-        Some(out) => outdir::folders(out, &[spec.to_path_buf()])?.pop(),
+        Some(out) => Some(Results::prepare(out, spec, options)?),
         None => None,
     };
-    folder.iter().try_for_each(|folder| folder.without("run", IDENTIFIED))?;
     let loaded = match loaded(spec, options, Purpose::Gap, folder.as_ref()) {
         Ok(loaded) => loaded,
         Err(code) => return Ok(code),
@@ -64,24 +62,23 @@ pub(crate) fn gap(spec: &Path, without: &[String], options: &Options) -> Result<
     };
     let ending = Ending {
         seconds: begin.elapsed().as_secs_f64(),
-        stopped: found.interrupted().then(interrupt::reason),
+        stopped: found.interrupted().then(interrupt::ended),
     };
     let report = GapReport { input: loaded.input(), gap: &found, catalogue: catalogue.laws(), ending };
     // At a terminal they stand in the result.
     if !options.quiet && options.look.is_none() {
         report.notes().for_each(|w| remark(&format!("note: {w}")));
     }
-    let kept = folder.as_ref().map_or(Ok(()), |folder| {
+    let kept = folder.as_ref().map_or(Ok(None), |folder| {
         let mut files = Folder::of_gap(&report, &invocation(options));
-        name_data(&mut files, &loaded, options, folder.path());
+        name_data(&mut files, spec, &loaded, options, folder.path());
         keep(&files, folder)
     });
     // A full disk must not lose the result, so it is printed first.
     print(
         &options.look.map_or_else(|| report.written(options.format.into()), |look| report.at_terminal(look)),
     )?;
-    kept?;
-    tell_report(options.out.as_deref(), options.look)?;
+    tell_report(kept?.as_deref(), options.look)?;
     if found.interrupted() {
         interrupt::tell();
     }

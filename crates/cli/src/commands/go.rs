@@ -2,9 +2,10 @@
 
 use super::{gap, new};
 use crate::args::{GoArgs, NewArgs, Options};
-use crate::outdir;
+use crate::outdir::Results;
 use crate::terminal::{complain, remark};
 use anyhow::Result;
+use std::ffi::OsString;
 use std::io::{self, IsTerminal};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -15,20 +16,26 @@ use std::process::{Command, Stdio};
 /// # Errors
 /// A file cannot be written.
 pub(crate) fn command(args: &GoArgs, options: &Options) -> Result<u8> {
-    let stem = args.path.file_stem().map_or("data".into(), |s| s.to_string_lossy().into_owned());
-    let out = options.out.clone().unwrap_or_else(|| PathBuf::from(format!("{stem}-found")));
-    outdir::OutDir::create(&out)?;
-    let spec = out.join(format!("{stem}.ron"));
+    let named = |ending: &str| {
+        let mut name = args.path.file_stem().map_or("data".into(), OsString::from);
+        name.push(ending);
+        PathBuf::from(name)
+    };
+    let out = options.out.clone().unwrap_or_else(|| named("-found"));
+    let spec = out.join(named(".ron"));
+    Results::prepare(&out, &spec, options)?;
     // A spec that is there may hold edits: they count.
     if spec.exists() {
         say(options, &format!("{} is there and is used as it is", spec.display()));
     } else {
         say(options, &format!("looking at {}", args.path.display()));
-        let draft =
-            NewArgs { path: args.path.clone(), sheet: args.sheet.clone(), rate: args.rate, force: false };
+        let draft = NewArgs { path: args.path.clone(), sheet: args.sheet.clone(), rate: args.rate };
         let quiet = Options { quiet: true, out: Some(spec.clone()), ..options.clone() };
+        std::fs::create_dir_all(&out)?;
         let code = new::command(&draft, &quiet)?;
         if code != 0 {
+            // Only if there is nothing in it.
+            let _ = std::fs::remove_dir(&out);
             return Ok(code);
         }
         say(

@@ -2,7 +2,7 @@
 
 use crate::args::Options;
 use crate::draw;
-use crate::outdir::OutDir;
+use crate::outdir::{OutDir, unless_there};
 use crate::terminal::{INPUT, print};
 use anyhow::{Result, anyhow};
 use phisindy::files::{catalogue, doubts};
@@ -16,7 +16,9 @@ pub(crate) fn laws(name: Option<&str>, options: &Options) -> Result<u8> {
     let mut sources = Sources::default();
     let mut all = match catalogue(&folders) {
         Ok(all) => {
-            draw::show(&doubts(&folders, &all, &mut sources), &sources);
+            if !options.quiet {
+                draw::show(&doubts(&folders, &all, &mut sources), &sources);
+            }
             all.laws().to_vec()
         }
         Err(error) => {
@@ -71,7 +73,11 @@ pub(crate) fn new(name: &str, options: &Options) -> Result<u8> {
     }
     let text = TEMPLATE.replace("\"NAME\"", &format!("\"{name}\""));
     match &options.out {
-        Some(out) => OutDir::create(out)?.write(&format!("{name}.ron"), &text)?,
+        Some(out) => {
+            let file = format!("{name}.ron");
+            unless_there(&out.join(&file), options.force)?;
+            OutDir::create(out)?.write(&file, &text)?;
+        }
         None => print(&text)?,
     }
     Ok(0)

@@ -1,10 +1,10 @@
 //! Completions of the command line and manual pages, from the same description as `--help`.
 
-use crate::args::{Args, Options};
+use crate::args::{Options, description};
 use crate::outdir::OutDir;
 use crate::terminal::print;
 use anyhow::{Context, Result};
-use clap::{Command, CommandFactory};
+use clap::Command;
 use clap_complete::Shell;
 use clap_mangen::Man;
 use std::io;
@@ -12,14 +12,14 @@ use std::io;
 /// Prints the completion script of a shell.
 pub(crate) fn completions(shell: Shell) -> Result<u8> {
     let mut text = Vec::new();
-    clap_complete::generate(shell, &mut Args::command(), "phisindy", &mut text);
+    clap_complete::generate(shell, &mut description(), "phisindy", &mut text);
     print(&String::from_utf8_lossy(&text))?;
     Ok(0)
 }
 
 /// Prints the manual of the whole program, or writes a page for it and one for each subcommand into --out.
 pub(crate) fn pages(options: &Options) -> Result<u8> {
-    let mut program = Args::command();
+    let mut program = description();
     // Propagates the global options to the subcommands.
     program.build();
     let subcommands: Vec<Command> =

@@ -28,7 +28,7 @@ pub(crate) fn command(args: &NewArgs, options: &Options) -> Result<u8> {
                 out.display()
             ));
         }
-        outdir::unless_there(out, args.force)?;
+        outdir::unless_there(out, options.force)?;
     }
     let mut sources = Sources::default();
     let draft = match drafted(args, options.quiet, &mut sources) {
@@ -44,6 +44,13 @@ pub(crate) fn command(args: &NewArgs, options: &Options) -> Result<u8> {
     if let Err(why) = accepted(&text) {
         return Err(anyhow!("the spec for `{file}` would not be accepted ({why}): please report this"));
     }
+    let text = match files::with_assignments(text, &options.sets, &mut sources) {
+        Ok(text) => text,
+        Err(d) => {
+            draw::show([&d], &sources);
+            return Ok(INPUT);
+        }
+    };
     match out {
         Some(out) => outdir::replace_file(out, &text)?,
         None => print(&text)?,

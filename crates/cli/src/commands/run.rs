@@ -3,7 +3,7 @@
 use super::data_folders::name_data;
 use super::spec_file::{failed, invocation, keep, keep_failure, loaded};
 use crate::args::{Format, Options};
-use crate::outdir::{self, OutDir};
+use crate::outdir::{self, Results};
 use crate::progress::Progress;
 use crate::terminal::{INPUT, NUMERICS, REJECTED, print, remark, tell_report};
 use crate::{draw, interrupt};
@@ -12,7 +12,6 @@ use phisindy::Loaded;
 use phisindy::files::Purpose;
 use phisindy_learn::{Identified, LearnError, LearnOptions, identify};
 use phisindy_phys::{Diagnostic, Sources};
-use phisindy_report::spec_text::COMPLETED;
 use phisindy_report::{Ending, Folder, RunReport};
 use std::io::{self, IsTerminal};
 use std::ops::ControlFlow;
@@ -21,11 +20,10 @@ use std::time::Instant;
 
 /// Identifies the unknown part of each spec, and returns the worst exit code.
 pub(crate) fn run(specs: &[PathBuf], options: &Options) -> Result<u8> {
-    let folders = match &options.out {
-        Some(out) => outdir::folders(out, specs)?.into_iter().map(Some).collect(),
-        None => specs.iter().map(|_| None).collect::<Vec<Option<OutDir>>>(),
+    let folders: Vec<Option<Results>> = match &options.out {
+        Some(out) => outdir::places(out, specs, options)?.into_iter().map(Some).collect(),
+        None => specs.iter().map(|_| None).collect(),
     };
-    folders.iter().flatten().try_for_each(|folder| folder.without("gap", COMPLETED))?;
     let mut worst = 0;
     for (k, (spec, folder)) in specs.iter().zip(&folders).enumerate() {
         if interrupt::requested() {
@@ -38,7 +36,7 @@ pub(crate) fn run(specs: &[PathBuf], options: &Options) -> Result<u8> {
     Ok(worst)
 }
 
-fn run_one(spec: &Path, folder: Option<&OutDir>, options: &Options, follows: bool) -> Result<u8> {
+fn run_one(spec: &Path, folder: Option<&Results>, options: &Options, follows: bool) -> Result<u8> {
     let begin = Instant::now();
     let loaded = match loaded(spec, options, Purpose::Run, folder) {
         Ok(loaded) => loaded,
@@ -68,15 +66,15 @@ fn run_one(spec: &Path, folder: Option<&OutDir>, options: &Options, follows: boo
     };
     let ending = Ending {
         seconds: begin.elapsed().as_secs_f64(),
-        stopped: found.interrupted().then(interrupt::reason),
+        stopped: found.interrupted().then(interrupt::ended),
     };
     let report = RunReport::new(loaded.input(), &found, ending);
     if !options.quiet {
         caution(&report, options);
     }
-    let kept = folder.map_or(Ok(()), |folder| {
+    let kept = folder.map_or(Ok(None), |folder| {
         let mut files = Folder::of_run(&report, loaded.input(), &found, &invocation(options));
-        name_data(&mut files, &loaded, options, folder.path());
+        name_data(&mut files, spec, &loaded, options, folder.path());
         keep(&files, folder)
     });
     // A full disk must not lose the result, so it is printed first.
@@ -84,8 +82,7 @@ fn run_one(spec: &Path, folder: Option<&OutDir>, options: &Options, follows: boo
     let text =
         options.look.map_or_else(|| report.written(options.format.into()), |look| report.at_terminal(look));
     print(&format!("{blank}{text}"))?;
-    kept?;
-    tell_report(folder.map(OutDir::path), options.look)?;
+    tell_report(kept?.as_deref(), options.look)?;
     if found.interrupted() {
         interrupt::tell();
     }

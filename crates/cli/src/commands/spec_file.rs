@@ -2,16 +2,15 @@
 
 use crate::args::Options;
 use crate::draw;
-use crate::outdir::OutDir;
+use crate::outdir::Results;
 use crate::progress::Progress;
 use crate::terminal::{INPUT, NUMERICS, complain};
 use anyhow::Result;
 use phisindy::Loaded;
 use phisindy::files::{Purpose, Refusal, load};
 use phisindy_phys::{Diagnostic, Sources};
-use phisindy_report::html::{self, HtmlReport};
-use phisindy_report::{Folder, Input, Invocation};
-use std::path::Path;
+use phisindy_report::{Folder, Input, Invocation, html};
+use std::path::{Path, PathBuf};
 
 /// Reads a spec and shows its diagnostics; mistakes also go into the report of a folder.
 ///
@@ -21,7 +20,7 @@ pub(super) fn loaded(
     spec: &Path,
     options: &Options,
     purpose: Purpose,
-    folder: Option<&OutDir>,
+    folder: Option<&Results>,
 ) -> Result<Loaded, u8> {
     loaded_with_warnings(spec, options, purpose, folder).map(|(loaded, _)| loaded)
 }
@@ -34,7 +33,7 @@ pub(super) fn loaded_with_warnings(
     spec: &Path,
     options: &Options,
     purpose: Purpose,
-    folder: Option<&OutDir>,
+    folder: Option<&Results>,
 ) -> Result<(Loaded, usize), u8> {
     let (mut sources, mut found) = (Sources::default(), Vec::new());
     let loaded = {
@@ -50,7 +49,8 @@ pub(super) fn loaded_with_warnings(
         let (errors, drawn) = (drawn().collect(), draw::text(drawn(), &sources));
         let refused = html::Refused { spec: &name, text, errors, sources: &sources, drawn };
         let page = html::refusal(&refused, &invocation(options));
-        write_html(&page, folder).unwrap_or_else(|error| complain(&format!("{error:#}")));
+        let kept = folder.put(&Folder::of_page(page));
+        kept.map_or_else(|error| complain(&format!("{error:#}")), drop);
     }
     let doubts = || found.iter().map(|d| d.message.clone()).collect();
     loaded.map(|loaded| (Loaded { doubts: doubts(), ..loaded }, found.len())).map_err(exit_code)
@@ -76,34 +76,17 @@ pub(super) fn keep_failure(
     diverged: bool,
     input: Input<'_>,
     options: &Options,
-    folder: &OutDir,
+    folder: &Results,
 ) -> Result<()> {
-    write_html(&html::failure(why, diverged, input, &invocation(options)), folder)
+    folder.put(&Folder::of_page(html::failure(why, diverged, input, &invocation(options)))).map(drop)
 }
 
-/// Writes a report and its figures.
-fn write_html(report: &HtmlReport, folder: &OutDir) -> Result<()> {
-    if !report.figures.is_empty() {
-        let figures = OutDir::create(&folder.path().join("figures"))?;
-        for (name, svg) in &report.figures {
-            figures.write(name, svg)?;
-        }
-    }
-    folder.write("report.html", &report.page)
-}
-
-/// Writes the files of a result.
-pub(super) fn keep(files: &Folder, folder: &OutDir) -> Result<()> {
+/// Writes the files of a result, and returns where they are.
+pub(super) fn keep(files: &Folder, folder: &Results) -> Result<Option<PathBuf>> {
     if let Some(why) = &files.lacks {
         complain(why);
     }
-    for (path, text) in &files.files {
-        match path.rsplit_once('/') {
-            Some((inner, name)) => OutDir::create(&folder.path().join(inner))?.write(name, text)?,
-            None => folder.write(path, text)?,
-        }
-    }
-    Ok(())
+    folder.put(files)
 }
 
 /// How the program was called.

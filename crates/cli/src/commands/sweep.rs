@@ -9,13 +9,16 @@ use crate::sweep::{
 };
 use crate::terminal::{INPUT, REJECTED, complain, print, remark};
 use crate::{draw, interrupt};
-use anyhow::{Result, anyhow, bail};
+use anyhow::{Context, Result, anyhow, bail};
 use phisindy::Loaded;
-use phisindy::files::{spec_text, with_assignments};
+use phisindy::files::{law_files, named_files, spec_text, with_assignments};
 use phisindy_phys::spec::Method;
 use phisindy_phys::{Case, Diagnostic, Origin, Sources};
 use phisindy_report::sweep::{CellRuns, RunVerdict, SweepRuns};
 use std::path::Path;
+
+/// The name of the table in the folder of `--out`.
+const TABLE: &str = "sweep.json";
 
 /// Sweeps or merges, prints and keeps the result, and returns the exit code.
 pub(crate) fn sweep(args: &SweepArgs, options: &Options) -> Result<u8> {
@@ -25,11 +28,19 @@ pub(crate) fn sweep(args: &SweepArgs, options: &Options) -> Result<u8> {
     }
 }
 
+/// The folder of `--out`, which may hold journals and a table.
+fn folder(options: &Options) -> Result<Option<OutDir>> {
+    let ours = |name: &str| {
+        name == TABLE || name.starts_with("sweep") && name.ends_with(".jsonl") || name.ends_with(".part")
+    };
+    options.out.as_deref().map(|out| OutDir::create(out)?.only(ours, options.force)).transpose()
+}
+
 fn swept(spec: &Path, args: &SweepArgs, options: &Options) -> Result<u8> {
     if args.shard.is_some() && options.out.is_none() {
         bail!("a shard is merged with others from its journal: say where that is kept, --out DIR");
     }
-    let folder = options.out.as_deref().map(OutDir::create).transpose()?;
+    let folder = folder(options)?;
     let Prepared { base, text, method, plan } = match prepared(spec, args, options)? {
         Ok(prepared) => prepared,
         Err(code) => return Ok(code),
@@ -41,7 +52,7 @@ fn swept(spec: &Path, args: &SweepArgs, options: &Options) -> Result<u8> {
             folder.path(),
             &name,
             &base.spec,
-            &format!("{method:?}\n{text}"),
+            &dependencies(spec, &text, method, options)?,
             &plan.design(title, method),
         )?,
         None => Journal::default(),
@@ -68,7 +79,7 @@ fn swept(spec: &Path, args: &SweepArgs, options: &Options) -> Result<u8> {
     }
     // The table of all shards is that of --merge.
     if let (Some(folder), None) = (&folder, plan.shard) {
-        folder.write("sweep.json", result.written(Format::Json.into()))?;
+        folder.write(TABLE, result.written(Format::Json.into()))?;
     }
     if !options.quiet && options.format != Format::Json {
         let part = plan.shard.map_or(String::new(), |shard| format!(" of shard {shard}"));
@@ -77,9 +88,22 @@ fn swept(spec: &Path, args: &SweepArgs, options: &Options) -> Result<u8> {
     Ok(complain_of_cells(&result))
 }
 
+/// All that the runs depend on, except for cell and seed: the method, the text, and what is in the files that it
+/// names.
+fn dependencies(spec: &Path, text: &str, method: Method, options: &Options) -> Result<Vec<u8>> {
+    let mut all = format!("{method:?}\n{text}").into_bytes();
+    let request = options.request();
+    for file in named_files(text, spec, &request).into_iter().chain(law_files(spec, &request)) {
+        let content = std::fs::read(&file).with_context(|| format!("cannot read `{}`", file.display()))?;
+        all.extend(format!("\n{} ", content.len()).into_bytes());
+        all.extend(content);
+    }
+    Ok(all)
+}
+
 /// Prints the table of the sweep whose journals lie in some folders; with --out it is kept, too.
 fn merge(args: &SweepArgs, options: &Options) -> Result<u8> {
-    let folder = options.out.as_deref().map(OutDir::create).transpose()?;
+    let folder = folder(options)?;
     let merged: Merged = merged(&args.merge)?;
     let cells = merged.design.cells();
     let rows = cells.iter().zip(&merged.runs);
@@ -94,8 +118,10 @@ fn merge(args: &SweepArgs, options: &Options) -> Result<u8> {
         seconds: merged.runs.iter().flatten().map(|run| run.seconds).sum(),
     };
     print(&result.written(options.format.into()))?;
-    if let Some(folder) = &folder {
-        folder.write("sweep.json", result.written(Format::Json.into()))?;
+    // A part replaces no whole.
+    if let Some(folder) = folder.filter(|folder| !result.stopped || !is_complete(&folder.path().join(TABLE)))
+    {
+        folder.write(TABLE, result.written(Format::Json.into()))?;
     }
     if merged.missing > 0 {
         complain(&format!(
@@ -105,6 +131,12 @@ fn merge(args: &SweepArgs, options: &Options) -> Result<u8> {
         return Ok(REJECTED);
     }
     Ok(complain_of_cells(&result))
+}
+
+/// Whether a file is the table of a sweep that came to its end.
+fn is_complete(table: &Path) -> bool {
+    let text = std::fs::read_to_string(table).unwrap_or_default();
+    serde_json::from_str::<serde_json::Value>(&text).is_ok_and(|table| table["stopped"] == false)
 }
 
 /// A checked sweep.

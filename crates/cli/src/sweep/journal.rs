@@ -63,7 +63,7 @@ impl Journal {
         folder: &Path,
         name: &str,
         spec: &str,
-        what: &str,
+        what: &[u8],
         design: &Design,
     ) -> Result<Journal> {
         let path = folder.join(name);
@@ -83,7 +83,10 @@ impl Journal {
             journal: KIND.to_owned(),
             spec: spec.to_owned(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
-            fingerprint: format!("{:016x}", fingerprint(&format!("{}\n{what}", env!("CARGO_PKG_VERSION")))),
+            fingerprint: format!(
+                "{:016x}",
+                fingerprint(&[concat!(env!("CARGO_PKG_VERSION"), "\n").as_bytes(), what].concat())
+            ),
             design: design.clone(),
         };
         let whole = whole(&text);
@@ -98,7 +101,7 @@ impl Journal {
         let (old, runs) = lines(&text[..whole], &shown)?;
         if let Some(other) = old.as_ref().filter(|other| other.fingerprint != header.fingerprint) {
             bail!(
-                "`{shown}` holds runs of another case (spec `{}`, version {}): the spec, its --set, the method or the program changed since; \
+                "`{shown}` holds runs of another case (spec `{}`, version {}): the spec, its files, its --set, the method or the program changed since; \
                  give another --out, or delete the file to start anew",
                 other.spec,
                 other.version
@@ -156,7 +159,8 @@ impl Journal {
         if let Some(file) = &mut self.file {
             let line = serde_json::to_string(value)? + "\n";
             file.write_all(line.as_bytes())?;
-            file.flush()?;
+            // A run that took minutes outlasts a power cut.
+            file.sync_data()?;
         }
         Ok(())
     }
@@ -188,8 +192,8 @@ fn lines(text: &[u8], shown: &str) -> Result<(Option<Header>, Vec<Run>)> {
 }
 
 /// FNV-1a, 64 bits: the same in every version and on every machine.
-fn fingerprint(text: &str) -> u64 {
-    text.bytes().fold(0xcbf2_9ce4_8422_2325, |h, b| (h ^ u64::from(b)).wrapping_mul(0x0100_0000_01b3))
+fn fingerprint(text: &[u8]) -> u64 {
+    text.iter().fold(0xcbf2_9ce4_8422_2325, |h, b| (h ^ u64::from(*b)).wrapping_mul(0x0100_0000_01b3))
 }
 
 #[cfg(test)]
@@ -199,8 +203,8 @@ mod tests {
 
     #[test]
     fn the_fingerprint_is_that_of_the_standard() {
-        assert_eq!(fingerprint(""), 0xcbf2_9ce4_8422_2325);
-        assert_eq!(fingerprint("foobar"), 0x8594_4171_f739_67e8);
+        assert_eq!(fingerprint(b""), 0xcbf2_9ce4_8422_2325);
+        assert_eq!(fingerprint(b"foobar"), 0x8594_4171_f739_67e8);
     }
 
     #[test]

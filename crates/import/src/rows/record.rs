@@ -211,7 +211,7 @@ impl Reader<'_> {
         };
         self.check_line_end(&line, fields.last());
         // Values outside the window are not parsed: records often have bad rows at their ends.
-        if !self.selection.admits(time) {
+        if !self.selection.admits(seconds) {
             return Ok(());
         }
         if csv.omits_missing && self.layout.columns.iter().any(|&k| self.lacks(&line, &fields[k])) {

@@ -115,6 +115,14 @@ fn outside_of_the_window_anything_may_stand() {
 }
 
 #[test]
+fn a_window_is_in_seconds_whatever_the_unit_of_the_column() {
+    let file = format!("t,x\n{}", rows(|k| format!("{},{k}\n", 100 * k)));
+    let record = PLAIN.replace("time: \"t\"", "time: (\"t\", \"ms\")");
+    let read = table(&format!("{record}, window: (0.1, 1.0)"), file.as_bytes()).expect("a table");
+    assert_eq!((read.time.len(), read.time[0], read.extent), (10, 0.1, Some((0.0, 1.1))));
+}
+
+#[test]
 fn a_second_line_of_units_is_no_row() {
     let file = format!("t;x\n[s];mm\n{}", rows(|k| format!("{k};{k},5\n")));
     assert_eq!(table(PLAIN, file.as_bytes()).expect("a table").columns[0][11], 11.5);

@@ -5,6 +5,7 @@ use super::notation::Notation;
 use crate::draft::Draft;
 use crate::records::RecordDraft;
 use crate::roles::Input;
+use phisindy_phys::unit::Unit;
 use std::fmt::Write;
 
 /// As `Csv(...)`, or `Table(...)` of another format.
@@ -65,7 +66,14 @@ pub(super) fn record(
     if draft.decimate > 1 {
         fields.push(format!("decimate: {}", draft.decimate));
     }
-    let window = record.window.map_or(String::new(), |(a, b)| format!("window: ({a:?}, {b:?}), "));
+    // By the same arithmetic as the reader's, so that the first and the last row are in it.
+    let column = (!draft.time.counted).then(|| &draft.table.columns[draft.time.column]);
+    let unit = column.and_then(|column| Unit::parse(column.heading.unit.as_deref()?).ok());
+    let scale = unit.unwrap_or(Unit::ONE).scale();
+    let seconds = |t: f64| scale.si(&t.to_string()).unwrap_or(t);
+    let window = record
+        .window
+        .map_or(String::new(), |(a, b)| format!("window: ({:?}, {:?}), ", seconds(a), seconds(b)));
     fields.push(format!("{window}role: {}", if record.fit { "Fit" } else { "Validate" }));
     let _ = writeln!(text, "            {}),", fields.join(",\n            "));
 }

@@ -4,7 +4,7 @@
 use super::request::{Naming, Request};
 use phisindy_expr::Span;
 use phisindy_import::{DataFile, record, unreadable};
-use phisindy_phys::spec::CsvSpec;
+use phisindy_phys::spec::{self, CsvSpec, DataSpec, InputSpec, Text};
 use phisindy_phys::{Diagnostic, SourceId, Sources, Table, Units};
 use phisindy_report::spec_text::named_data;
 use std::fs::File;
@@ -55,6 +55,27 @@ pub(crate) fn read(
     record(csv, units, file, spec, sources)
 }
 
+/// The data files that a spec names and that are there, in its order: what a result depends on beside the text.
+pub fn named_files(text: &str, path: &Path, request: &Request) -> Vec<PathBuf> {
+    let Ok((spec, _)) = spec::read(text, SourceId(0)) else { return vec![] };
+    let folders = Folders::new(request, path, text);
+    let inputs = |record: &DataSpec| -> Vec<Text> {
+        match record {
+            DataSpec::Csv(csv) => vec![csv.path.clone()],
+            DataSpec::Synthetic(made) => made
+                .inputs
+                .iter()
+                .filter_map(|(_, input)| match input {
+                    InputSpec::File { path, .. } => Some(path.clone()),
+                    _ => None,
+                })
+                .collect(),
+        }
+    };
+    let found = |name: Text| folders.find(&name.value, SourceId(0), name.span).ok();
+    spec.data.iter().flat_map(inputs).filter_map(found).collect()
+}
+
 /// Folders of data files, in the order in which they are searched.
 pub(crate) struct Folders {
     folders: Vec<(PathBuf, &'static str)>,
@@ -92,10 +113,7 @@ impl Folders {
             ));
         }
         for (folder, _) in &self.folders {
-            let path = folder.join(name);
-            if !path.exists() {
-                continue;
-            }
+            let Some(path) = data_file(folder, name) else { continue };
             let root = if folder.as_os_str().is_empty() { Path::new(".") } else { folder.as_path() };
             match (root.canonicalize(), path.canonicalize()) {
                 (Ok(root), Ok(real)) if real.starts_with(&root) => return Ok(path),
@@ -122,6 +140,17 @@ impl Folders {
         }
         Err(Missing::Nowhere(d.help(self.naming.help())))
     }
+}
+
+/// The file of this name in a folder. A spec is UTF-8 text: of a name that is not, it holds the readable part.
+pub fn data_file(folder: &Path, name: &str) -> Option<PathBuf> {
+    let path = folder.join(name);
+    if path.exists() || !name.contains(char::REPLACEMENT_CHARACTER) {
+        return path.exists().then_some(path);
+    }
+    let entries = std::fs::read_dir(path.parent()?).ok()?.flatten();
+    let shown = path.file_name()?;
+    entries.map(|entry| entry.path()).find(|p| p.file_name().is_some_and(|n| *n.to_string_lossy() == *shown))
 }
 
 /// Why there is no file.

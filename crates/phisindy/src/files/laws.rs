@@ -21,12 +21,8 @@ const MOST: usize = 1000;
 pub fn catalogue(folders: &[&Path]) -> Result<Catalogue, LawFolderError> {
     let mut all = Catalogue::built_in();
     for folder in folders {
-        let unreadable = |error| LawFolderError::Folder { folder: folder.to_path_buf(), error };
-        let entries = std::fs::read_dir(folder).map_err(unreadable)?;
-        let mut paths: Vec<PathBuf> =
-            entries.map(|e| e.map(|e| e.path())).collect::<Result<_, _>>().map_err(unreadable)?;
-        paths.retain(|p| p.extension().is_some_and(|e| e == "ron"));
-        paths.sort();
+        let paths = files_in(folder)
+            .map_err(|error| LawFolderError::Folder { folder: folder.to_path_buf(), error })?;
         if paths.len() > MOST {
             return Err(LawFolderError::TooMany { folder: folder.to_path_buf(), laws: paths.len() });
         }
@@ -37,6 +33,20 @@ pub fn catalogue(folders: &[&Path]) -> Result<Catalogue, LawFolderError> {
         }
     }
     Ok(all)
+}
+
+/// The files of a folder of laws.
+fn files_in(folder: &Path) -> io::Result<Vec<PathBuf>> {
+    let entries = std::fs::read_dir(folder)?;
+    let mut paths: Vec<PathBuf> = entries.map(|e| e.map(|e| e.path())).collect::<Result<_, _>>()?;
+    paths.retain(|p| p.extension().is_some_and(|e| e == "ron"));
+    paths.sort();
+    Ok(paths)
+}
+
+/// The files of the laws beside a spec and in the folder of the request.
+pub fn law_files(spec: &Path, request: &Request) -> Vec<PathBuf> {
+    folders(spec, request).iter().flat_map(|folder| files_in(folder).unwrap_or_default()).collect()
 }
 
 /// The laws that a spec may name: built in, in the folder `laws` beside it, in that of the request.

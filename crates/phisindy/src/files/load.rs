@@ -467,12 +467,20 @@ fn beyond_the_end(csv: &CsvSpec, table: &Table, source: SourceId) -> Option<Diag
     let missing = end.value - last;
     // The window of a record that is whole often ends half a step behind it.
     let told = table.time.len() >= 2 && missing > 0.02 * (end.value - start.value);
-    let message =
-        format!("the window goes on to {}, but the time in `{}` ends at {last}", end.value, csv.path.value);
+    let message = format!(
+        "the window goes on to {} s, but the time in `{}` ends at {last} s",
+        end.value, csv.path.value
+    );
     let d = || {
         Diagnostic::warning(message).at(source, start.span.to(end.span), "goes on after the end of the file")
     };
-    told.then(|| d().help(format!("if the file is whole, end the window there: ({}, {last})", start.value)))
+    told.then(|| {
+        let d = d().help(format!("if the file is whole, end the window there: ({}, {last})", start.value));
+        match &csv.time.unit {
+            Some(unit) if unit.value != "s" => d.help("a window is in seconds, whatever the unit of `time`"),
+            _ => d,
+        }
+    })
 }
 
 /// What `missing: Omit` did.

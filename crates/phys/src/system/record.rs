@@ -87,7 +87,7 @@ pub struct Table {
     pub columns: Vec<Vec<f64>>,
     /// Line number of each row in the file; of a mean of rows, that of the last.
     pub lines: Vec<usize>,
-    /// First and last time of `rows` in the file, in its unit, whatever the window.
+    /// First and last time of `rows` in the file, in seconds, whatever the window.
     pub extent: Option<(f64, f64)>,
     /// Rows that were left out because a value is missing (`missing: Omit`).
     pub omitted: usize,
@@ -256,7 +256,7 @@ fn enough(csv: &CsvSpec, table: &Table, spec: SourceId) -> Result<(), Diagnostic
         return Err(d.help(format!("a record needs at least {fewest}")));
     }
     if let Some((first, last)) = table.extent {
-        d = d.help(format!("the file's time runs from {first} to {last}"));
+        d = d.help(format!("the file's time runs from {first} s to {last} s"));
     }
     if decimated.is_some() {
         d = d.help("each of them is the mean of as many rows as `decimate` says: a record needs at least 10");

@@ -83,3 +83,16 @@ fn without_a_surviving_term_the_known_part_stands_alone() {
     let case = case("-x", "(candidates: [\"1\"])", "");
     assert_eq!(of(&case, &[], &[]).latex, r"\dot{y} = -x");
 }
+
+/// The LaTeX of `beta1` ends in that of `a1`, and was patched.
+#[test]
+fn a_derived_input_has_a_dot_and_no_other_name_changes() {
+    let text = r#"(constants: { "beta1": (value: 0.7, within: (0.0, 2.0), each: true) },
+        states: { "x": "", "y": "" }, inputs: { "v1": "", "a1": "", "r": "", "s": "" },
+        known: { "x": "y", "y": "beta1*a1 - r*sqrt(s)" }, unknown: { "y": (candidates: ["1"]) },
+        data: [Csv(path: "a.csv", time: "t", columns: { "x": "x", "v1": "v1", "s": "s" },
+                   derive: { "a1": Derivative("v1"), "r": Derivative("s") })])"#;
+    let (spec, _) = spec::read(text, SourceId(0)).expect("well formed");
+    let case = check(&spec, SourceId(0)).expect("a good case").0;
+    assert_eq!(of(&case, &[], &[]).latex, r"\dot{y} = \beta_{1}\,\dot{v}_{1} - \dot{s}\,\sqrt{s}");
+}

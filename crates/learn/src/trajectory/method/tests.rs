@@ -10,7 +10,6 @@ use crate::trajectory::unknowns::Unknowns;
 use approx::assert_relative_eq;
 use phisindy_phys::SensorParameter;
 use phisindy_phys::spec::Method;
-use phisindy_signal::effective_samples;
 
 const SIGMA: f64 = 0.1;
 

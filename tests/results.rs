@@ -1,0 +1,304 @@
+//! Folders of results, and the ends of the program that they must outlast: signals, limits, kills at any write.
+#![allow(missing_docs)]
+#![cfg(unix)]
+
+use crate::common::{Scratch, phisindy, program};
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::time::Duration;
+
+/// Case 1a over 20 s: a tenth of a second for a run.
+const QUICK: &[&str] = &["run", "specs/case1a.ron", "--set", "data.0.duration=20.0", "--quiet"];
+/// A run that would take an hour.
+const LONG: &[&str] =
+    &["run", "specs/case1a.ron", "--method", "step", "--set", "learn=(epochs: [9000000], rates: [0.01])"];
+
+/// All files below a folder by their paths in it.
+fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let mut all = BTreeMap::new();
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let (path, name) = (entry.path(), entry.file_name().to_string_lossy().into_owned());
+        match path.is_dir() {
+            true => {
+                all.extend(files(&path).into_iter().map(|(inner, bytes)| (format!("{name}/{inner}"), bytes)))
+            }
+            false => drop(all.insert(name, fs::read(&path).expect("a file"))),
+        }
+    }
+    all
+}
+
+/// The files of a result without its duration, which differs between two runs.
+fn timeless(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let mut all = files(folder);
+    if let Some(json) = all.get_mut("result.json") {
+        let mut result: Value = serde_json::from_slice(json).expect("whole JSON");
+        result["seconds"] = Value::Null;
+        *json = result.to_string().into_bytes();
+    }
+    if let Some(page) = all.get_mut("report.html") {
+        assert!(page.ends_with(b"</html>\n"), "a whole page");
+        *page = b"a page".to_vec();
+    }
+    all
+}
+
+/// Starts work and sends it a signal once it has begun.
+fn signalled(child: &mut Child, signals: &[&str]) {
+    for signal in signals {
+        std::thread::sleep(Duration::from_secs(3));
+        let kill = Command::new("kill").args([signal, child.id().to_string().as_str()]).status();
+        assert!(kill.expect("kill runs").success());
+    }
+}
+
+#[test]
+fn every_signal_keeps_what_was_found_and_marks_it() {
+    for (signal, name) in [("-TERM", "SIGTERM"), ("-HUP", "SIGHUP"), ("-INT", "Ctrl-C")] {
+        let scratch = Scratch::new("signal");
+        let out = scratch.path("out");
+        let arguments = [LONG, &["--out", &out]].concat();
+        let mut child =
+            program(&arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("starts");
+        signalled(&mut child, &[signal]);
+        let said = child.wait_with_output().expect("ends");
+        let err = String::from_utf8_lossy(&said.stderr);
+        assert_eq!(said.status.code(), Some(130), "{signal}: {err}");
+        let words = format!("topped by {name} before the end");
+        for (path, bytes) in files(&scratch.0.join("out")) {
+            let text = String::from_utf8(bytes).expect("text");
+            let marked = if path == "result.json" { "\"stopped\":true" } else { &words };
+            assert!(text.contains(marked), "{signal}: {path}");
+        }
+    }
+}
+
+/// `nohup` sets SIGHUP aside.
+#[cfg(target_os = "linux")]
+#[test]
+fn work_that_was_told_to_outlast_its_terminal_does() {
+    let scratch = Scratch::new("nohup");
+    let shell = format!(
+        "trap '' HUP; exec \"{}\" {} --out \"{}\" 2>&1",
+        env!("CARGO_BIN_EXE_phisindy"),
+        LONG.iter().map(|word| format!("'{word}'")).collect::<Vec<_>>().join(" "),
+        scratch.path("out")
+    );
+    let mut child = Command::new("sh")
+        .current_dir(crate::common::top())
+        .args(["-c", &shell])
+        .stdout(Stdio::piped())
+        .spawn()
+        .expect("sh");
+    signalled(&mut child, &["-HUP", "-TERM"]);
+    let said = child.wait_with_output().expect("ends");
+    assert!(String::from_utf8_lossy(&said.stdout).contains("stopped by SIGTERM"), "{said:?}");
+}
+
+#[test]
+fn what_a_limit_leaves_replaces_no_complete_result() {
+    let scratch = Scratch::new("less");
+    let out = scratch.path("out");
+    assert_eq!(phisindy(&[QUICK, &["--out", &out]].concat()).code, 0);
+    let before = files(&scratch.0.join("out"));
+    let said = phisindy(&[LONG, &["--limit", "1s", "--out", &out]].concat());
+    assert_eq!(said.code, 3, "{}", said.err);
+    assert!(
+        said.err.contains("stays as it was; this result is kept in") && said.err.contains("out.1"),
+        "{}",
+        said.err
+    );
+    assert!(files(&scratch.0.join("out")) == before);
+    let beside = fs::read_to_string(scratch.path("out.1/identified.ron")).expect("what was found");
+    assert!(beside.contains("// Stopped: the limit of 1 s is met before the end"), "{beside}");
+    // A spec with a mistake leaves nothing at all beside a result.
+    let said = phisindy(&["run", "specs/wrong/candidate_unknown_name.ron", "--out", &out]);
+    assert!(said.code == 2 && said.err.contains("keeps its earlier result"), "{}", said.err);
+    assert!(files(&scratch.0.join("out")) == before && !fs::exists(scratch.path("out.2")).expect("a folder"));
+    // What is complete replaces what is not, and nothing of both is mixed.
+    assert_eq!(phisindy(&[QUICK, &["--out", &scratch.path("out.1")]].concat()).code, 0);
+    assert!(timeless(&scratch.0.join("out.1")) == timeless(&scratch.0.join("out")));
+    assert_eq!(fs::read_to_string(scratch.path("out.1.1/identified.ron")).expect("kept"), beside);
+}
+
+#[test]
+fn folders_with_other_files_need_force() {
+    let scratch = Scratch::new("others");
+    let notes = scratch.path("notes.txt");
+    fs::write(&notes, "mine").expect("a file");
+    let sweep = ["sweep", "specs/case1a.ron", "--set", "data.0.duration=20.0", "--seeds", "1"];
+    for command in [QUICK, &sweep] {
+        let out = scratch.path("");
+        let said = phisindy(&[command, &["--out", &out]].concat());
+        assert_eq!((said.code, said.out.as_str()), (2, ""), "{}", said.err);
+        assert!(
+            said.err.contains("holds what is no result: `notes.txt`") && said.err.contains("--force"),
+            "{}",
+            said.err
+        );
+        let said = phisindy(&[command, &["--out", &out, "--force"]].concat());
+        assert_eq!(
+            (said.code, fs::read_to_string(&notes).expect("it").as_str()),
+            (0, "mine"),
+            "{}",
+            said.err
+        );
+    }
+}
+
+/// How the tracer changes a call of the program: end it there, or let the call fail.
+const FAULTS: [&str; 2] = ["signal=KILL", "error=ENOSPC"];
+
+/// Runs the program with a fault at the `k`-th call of each kind; `None` if there is no `k`-th call.
+fn faulty(arguments: &[&str], call: &str, fault: &str, k: usize) -> Option<Option<i32>> {
+    let trace = Scratch::new("trace");
+    let log = trace.path("log");
+    let calls = format!("trace={call}");
+    let inject = format!("inject={call}:{fault}:when={k}");
+    let plain = program(arguments);
+    let output = Command::new("strace")
+        .current_dir(crate::common::top())
+        .args(["-f", "-qq", "--seccomp-bpf", "-o", &log, "-e", &calls, "-e", &inject, "--"])
+        .arg(plain.get_program())
+        .args(plain.get_args())
+        .output()
+        .expect("strace runs");
+    let log = fs::read_to_string(&log).unwrap_or_default();
+    let met = log.contains("INJECTED") || log.contains("killed by SIGKILL");
+    met.then(|| output.status.code())
+}
+
+/// Whether calls can be traced here.
+fn can_trace() -> bool {
+    let able =
+        Command::new("strace").args(["-qq", "-o", "/dev/null", "true"]).status().is_ok_and(|s| s.success());
+    if !able {
+        eprintln!("strace cannot be used here: no faults are made");
+    }
+    able
+}
+
+/// The calls that change a disk.
+const CALLS: [&str; 8] =
+    ["mkdir", "write", "fsync", "fdatasync", "rename", "renameat2", "unlink,unlinkat", "rmdir"];
+/// Calls of one kind that are made to fail at most.
+const MOST: usize = 60;
+
+/// At whatever call the program ends, the folder holds the earlier result or the new one, whole; so does every
+/// folder beside it.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_folder_of_results_outlasts_every_fault() {
+    if !can_trace() {
+        return;
+    }
+    let made = |title: &str, out: &str| {
+        let title = format!("title=\"{title}\"");
+        let said = phisindy(&[QUICK, &["--set", &title, "--out", out]].concat());
+        assert_eq!(said.code, 0, "{}", said.err);
+    };
+    let reference = Scratch::new("reference");
+    let old = {
+        made("old", &reference.path("old"));
+        timeless(&reference.0.join("old"))
+    };
+    let new = {
+        made("new", &reference.path("new"));
+        timeless(&reference.0.join("new"))
+    };
+    let mut faults = 0;
+    for over in [false, true] {
+        for (call, fault) in CALLS.iter().flat_map(|call| FAULTS.map(|fault| (call, fault))) {
+            for k in 1..MOST {
+                let scratch = Scratch::new("fault");
+                let out = scratch.0.join("out");
+                if over {
+                    made_from(&reference.0.join("old"), &out);
+                }
+                let path = scratch.path("out");
+                let arguments = [QUICK, &["--set", "title=\"new\"", "--out", &path]].concat();
+                let Some(code) = faulty(&arguments, call, fault, k) else { break };
+                faults += 1;
+                let told = format!("{call} {fault} {k}, over a result: {over}, exit code {code:?}");
+                assert!(matches!(code, None | Some(0 | 2)), "{told}");
+                let now = timeless(&out);
+                assert!(now == new || (if over { now == old } else { now.is_empty() }), "{told}");
+                for entry in fs::read_dir(&scratch.0).expect("a folder").flatten() {
+                    let name = entry.file_name().to_string_lossy().into_owned();
+                    if name.starts_with("out.") {
+                        let beside = timeless(&entry.path());
+                        assert!(beside == old || beside == new, "{told}: {name}");
+                    } else if code.is_some() && !call.starts_with('r') && !call.starts_with('u') {
+                        assert_eq!(
+                            name, "out",
+                            "{told}: nothing else is left where the program ended by itself"
+                        );
+                    }
+                }
+                // The next run mends everything; one for each kind is enough.
+                if k == 1 {
+                    made("new", &path);
+                    let left = fs::read_dir(&scratch.0).expect("a folder").flatten();
+                    let parts: Vec<_> =
+                        left.filter(|e| e.file_name().to_string_lossy().ends_with(".part")).collect();
+                    assert!(timeless(&out) == new && parts.is_empty(), "{told}: {parts:?}");
+                }
+            }
+        }
+    }
+    assert!(faults > 60, "only {faults} faults were made");
+    eprintln!("{faults} faults");
+}
+
+/// Copies a result.
+fn made_from(from: &Path, to: &Path) {
+    for (name, bytes) in files(from) {
+        fs::create_dir_all(to.join(&name).parent().expect("a folder")).expect("made");
+        fs::write(to.join(&name), bytes).expect("written");
+    }
+}
+
+/// At whatever call a sweep ends, the same command goes on to the same table.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_sweep_outlasts_every_fault() {
+    if !can_trace() {
+        return;
+    }
+    let sweep = [
+        "sweep",
+        "specs/case1a.ron",
+        "--set",
+        "data.0.duration=20.0",
+        "--seeds",
+        "2",
+        "--jobs",
+        "1",
+        "--quiet",
+    ];
+    let whole = phisindy(&sweep);
+    assert_eq!(whole.code, 0, "{}", whole.err);
+    let mut faults = 0;
+    for (call, fault) in CALLS.iter().flat_map(|call| FAULTS.map(|fault| (call, fault))) {
+        for k in 1..MOST {
+            let scratch = Scratch::new("fault");
+            let out = scratch.path("out");
+            let arguments = [&sweep as &[&str], &["--out", &out]].concat();
+            let Some(code) = faulty(&arguments, call, fault, k) else { break };
+            faults += 1;
+            let told = format!("{call} {fault} {k}, exit code {code:?}");
+            assert!(matches!(code, None | Some(0 | 2)), "{told}");
+            if let Ok(table) = fs::read_to_string(scratch.path("out/sweep.json")) {
+                serde_json::from_str::<Value>(&table).expect("a whole table");
+            }
+            let again = phisindy(&arguments);
+            assert_eq!((again.code, &again.out), (0, &whole.out), "{told}: {}", again.err);
+            let names: Vec<String> = files(&scratch.0.join("out")).into_keys().collect();
+            assert_eq!(names, ["sweep.json", "sweep.jsonl"], "{told}");
+        }
+    }
+    assert!(faults > 20, "only {faults} faults were made");
+}
