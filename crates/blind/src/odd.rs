@@ -165,11 +165,10 @@ fn execution(program: &Program, seed: u64, index: usize, folder: &Path) -> Resul
             fs::write(&journal, damage::damaged(&text, &mut dice)).context("cannot write the journal")?;
         }
     } else {
-        words.extend(
-            dice.pick(&[&["--format", "json"][..], &["--format", "json", "--quiet"]])
-                .iter()
-                .map(|w| (*w).to_owned()),
-        );
+        if matches!(command.word(), "run" | "gap" | "sweep") {
+            words.extend(["--format", "json"].map(str::to_owned));
+        }
+        words.extend(dice.chance(0.5).then(|| "--quiet".to_owned()));
     }
     let Some(said) = ask(program, &words)? else { return Ok(None) };
     let wrong = if damaged { None } else { judged(command, &rig, &written, &said) };
@@ -195,7 +194,10 @@ fn ask(program: &Program, words: &[String]) -> Result<Option<Output>> {
     let mut last = None;
     for _ in 0..3 {
         let mut command = program.command();
-        command.args(words).args(["--jobs", "1", "--limit", &limit]);
+        command.args(words).args(["--limit", &limit]);
+        if words[0] != "new" {
+            command.args(["--jobs", "1"]);
+        }
         last = program.output(&mut command, Some(Duration::from_secs(3 * LIMIT)))?;
         if last.as_ref().is_none_or(|said| said.status.is_some()) {
             break;

@@ -52,7 +52,7 @@ fn an_earlier_result_is_kept_beside_and_nothing_is_mixed() {
     assert_eq!(put(&out, "b", Worth::Whole), Kept { at: Some(out.clone()), earlier: Some(earlier.clone()) });
     assert!(earlier.join("laws/discovered-1.ron").exists() && !out.join("laws").exists());
     put(&out, "c", Worth::Whole);
-    assert_eq!(titles(&top), ["out: c", "out.1: a", "out.2: b"]);
+    assert_eq!(titles(&top), ["out.1: a", "out.2: b", "out: c"]);
     let ours: Vec<_> = fs::read_dir(top.path()).expect("a folder").collect();
     assert_eq!(ours.len(), 3, "nothing else is left: {ours:?}");
 }
@@ -70,7 +70,7 @@ fn what_was_stopped_replaces_nothing_better() {
     let beside = put(&out, "less", Worth::Part);
     assert_eq!(beside, Kept { at: Some(top.path().join("out.2")), earlier: None });
     assert_eq!(put(&out, "mistake", Worth::Nothing), Kept { at: None, earlier: None });
-    assert_eq!(titles(&top), ["out: whole", "out.1: part", "out.2: less"]);
+    assert_eq!(titles(&top), ["out.1: part", "out.2: less", "out: whole"]);
 }
 
 #[test]
