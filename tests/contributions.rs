@@ -229,7 +229,7 @@ fn a_law_that_vanished_is_rejected() {
             "vanished",
             "coulomb",
             "0.2*sgn(y)",
-            "the model does no better with the identified part than without it",
+            "the force that is left on y in synthetic 0 follows the motion",
         ),
         (
             "at_its_end",

@@ -342,7 +342,7 @@ fn a_file_without_time_asks_for_its_rate() {
         "--set",
         "data.0.window=(2.5, 5.0)",
     ]);
-    holds(&check.err, &["runs from 0 to 1.995"]);
+    holds(&check.err, &["runs from 0 s to 1.995 s"]);
 }
 
 /// The rate is said: nothing is left to edit there, and the windows are in seconds of it.

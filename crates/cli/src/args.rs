@@ -387,14 +387,15 @@ pub(crate) struct SweepArgs {
 
 /// To which commands an option means something, by its id.
 const TAKEN: &[(&str, &[&str])] = &[
-    ("format", &["run", "gap", "go", "sweep"]),
+    // Every command takes a format, so that a script can ask all of them alike; these print text whatever it is.
+    ("format", &["run", "gap", "go", "sweep", "new", "check", "simulate", "export"]),
     ("out", &["run", "gap", "go", "new", "export", "sweep", "laws", "man"]),
     ("force", &["run", "gap", "go", "new", "export", "sweep", "laws"]),
     ("data", &["run", "gap", "go", "simulate", "check", "export", "sweep", "open"]),
     ("laws", &["run", "gap", "go", "simulate", "check", "export", "sweep", "laws", "open"]),
     ("seed", &["run", "gap", "simulate", "check", "export", "sweep"]),
     ("method", &["run", "sweep"]),
-    ("jobs", &["run", "gap", "go", "simulate", "check", "sweep", "open"]),
+    ("jobs", &["run", "gap", "go", "new", "simulate", "check", "sweep", "open"]),
     ("limit", &["run", "gap", "go", "new", "simulate", "check", "export", "sweep", "open"]),
     ("quiet", &["run", "gap", "go", "new", "simulate", "check", "export", "sweep", "laws", "open"]),
     ("sets", &["run", "gap", "go", "new", "simulate", "check", "export", "sweep"]),

@@ -14,9 +14,9 @@ use crate::other_causes::{causes, input_noise};
 use crate::plausibility::{cancelling, vetoed};
 use crate::result::verdict::{bent, helpful, refused, status};
 use crate::result::{
-    Activity, Alternative, Cancelling, ColumnGap, ColumnRepeat, Gap, GapError, InputError, MissingForce,
-    Named, NotTried, PlacedLaw, RecordValue, Region, Rival, Simulated, Status, Step, StepParameter,
-    StopReason, Tried, Veto, Warning, observed_ranges, regions,
+    Activity, Alternative, Cancelling, ColumnGap, ColumnRepeat, Gap, GapError, InputError, InputNoise,
+    MissingForce, Named, NotTried, PlacedLaw, RecordValue, Region, Rival, Simulated, Status, Step,
+    StepParameter, StopReason, Tried, Veto, Warning, observed_ranges, regions,
 };
 use crate::search::{Round, SEARCHED, Search, Searched, placed, refitted};
 use crate::sensor_linearity::sensor_nonlinearity;
@@ -289,8 +289,14 @@ impl<'s, 'a> Ending<'s, 'a> {
             let noise = input_noise(&self.last, &self.noise);
             // What the noise of the inputs leaves is no force: the model is as good as they are.
             let whole = helps == determined && helps == whole.model.effects.len() && mixed.is_none();
-            if whole && noise.as_ref().is_some_and(|n| n.left <= REPEATS * n.alone) {
-                status = if helps == 0 { Status::NothingMissing } else { Status::Explained };
+            let left = |of: &Fitted, n: &InputNoise| of.score.fit <= REPEATS * n.alone;
+            if let Some(n) = noise.as_ref().filter(|n| whole && left(&self.last, n)) {
+                status = if left(&self.base, n) { Status::NothingMissing } else { Status::Explained };
+                if status == Status::NothingMissing && helps > 0 {
+                    self.path.truncate(1);
+                    self.last = with_errors(self.path[0].clone(), &self.noise)?;
+                    self.path[0] = self.last.clone();
+                }
             }
             alternative = noise.map(Alternative::InputNoise);
         }

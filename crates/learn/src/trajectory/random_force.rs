@@ -15,6 +15,7 @@ use crate::trajectory::fit::{Context, Fit, transfer};
 use crate::trajectory::kalman_smoother::reads_outputs;
 use crate::trajectory::noise::ColumnNoise;
 use crate::trajectory::problem::{Noise, Problem};
+use crate::trajectory::remainder::remainders;
 use crate::trajectory::tally::{Tally, weighed};
 use phisindy_phys::spec::SegmentsSpec;
 use phisindy_phys::{Record, System};
@@ -133,8 +134,12 @@ impl<'a> Context<'a> {
         if self.segments != SegmentsSpec::Auto || outputs || fit.problem.chained || single && fit.is_white() {
             return fit;
         }
+        // A force that is larger than the whole rate is none: beside stops that hang on a hair the derivatives are
+        // too large for a filter, and the free run knows better.
+        let plausible = |forced: &Fit<'_>| remainders(forced).iter().all(|left| left.share < 1.0);
         match self.forced(&fit) {
-            Some((forced, gain)) if !single || gain > (fit.samples as f64).ln() => forced,
+            Some((forced, _)) if !single => forced,
+            Some((forced, gain)) if gain > (fit.samples as f64).ln() && plausible(&forced) => forced,
             _ => fit,
         }
     }
