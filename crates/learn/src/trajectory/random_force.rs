@@ -6,10 +6,11 @@
 //! run leaves only noise there is no force, and nothing of this is asked.
 
 use crate::decisions::{
-    FINE_MINIMUM, FORCE_DECADES, FORCE_GAIN, FORCE_GROUPED, FORCE_ROUNDS, FORCE_SEARCH, ROUGH_MINIMUM,
-    SHARPEST_SENSOR,
+    FINE_MINIMUM, FORCE_DECADES, FORCE_GAIN, FORCE_GROUPED, FORCE_ROUNDS, FORCE_SEARCH, HALF_WIDTH_95,
+    ROUGH_MINIMUM, SHARPEST_SENSOR,
 };
 use crate::least_squares::Limits;
+use crate::trajectory::error_bars::ErrorBars;
 use crate::trajectory::filter::{Filter, Gains, Pass, driven};
 use crate::trajectory::fit::{Context, Fit, transfer};
 use crate::trajectory::kalman_smoother::reads_outputs;
@@ -136,7 +137,13 @@ impl<'a> Context<'a> {
         }
         // A force that is larger than the whole rate is none: beside stops that hang on a hair the derivatives are
         // too large for a filter, and the free run knows better.
-        let plausible = |forced: &Fit<'_>| remainders(forced).iter().all(|left| left.share < 1.0);
+        let plausible = |forced: &Fit<'_>| {
+            let bars = ErrorBars::new(forced);
+            // Nor is a force that could as well be one of the terms, which the free run tells from each other.
+            let told = |k: usize| forced.x[k].abs() > HALF_WIDTH_95 * bars.error(k);
+            (0..forced.problem.terms.len()).all(told)
+                && remainders(forced).iter().all(|left| left.share < 1.0)
+        };
         match self.forced(&fit) {
             Some((forced, _)) if !single => forced,
             Some((forced, gain)) if gain > (fit.samples as f64).ln() && plausible(&forced) => forced,
