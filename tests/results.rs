@@ -1,5 +1,5 @@
 //! Folders of results, and the ends of the program that they must outlast: signals, limits, kills at any write.
-#![allow(missing_docs)]
+#![allow(missing_docs, clippy::print_stderr)]
 #![cfg(unix)]
 
 use crate::common::{Scratch, phisindy, program};

@@ -177,10 +177,11 @@ fn candidates(model: &mut Model) -> Vec<Id> {
         let operands: Vec<Id> = [a].into_iter().chain(b).collect();
         let branches = matches!(graph.node(id), Node::Binary(Binary::Min | Binary::Max, ..));
         let w = if let (true, Some(b)) = (branches, b) { graph.sub(a, b) } else { a };
+        let blows_up = || branches && graph.reachable(&operands).iter().any(|&k| infinite(graph, k, &moving));
         graph.uses(&operands, &moving)
             && !graph.uses(&operands, &signs)
             && !switched.contains(&w)
-            && !(branches && graph.reachable(&operands).iter().any(|&k| infinite(graph, k, &moving)))
+            && !blows_up()
     };
     seen.into_iter().filter(|id| limited.binary_search(id).is_err() && fits(*id)).collect()
 }

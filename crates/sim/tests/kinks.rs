@@ -1,5 +1,7 @@
 //! Kinks of the rates: against closed forms, against another solver, and what they cost.
 
+#![allow(clippy::print_stderr, clippy::needless_range_loop)]
+
 use crate::common::{Case, grid};
 use approx::assert_abs_diff_eq;
 use ode_solvers::{DVector, Dop853, OutputType, System};

@@ -34,6 +34,9 @@ pub(crate) fn driven(system: &System) -> Vec<usize> {
     (0..system.states.len()).filter(|&k| system.states[k].velocity.is_none()).collect()
 }
 
+/// States whose forces share an intensity, each with its part of it.
+pub(crate) type Group = Vec<(usize, f64)>;
+
 /// What the filter has seen between two readings, for other intensities and noises.
 struct Interval {
     /// Derivatives of the states by those before, row-major.
@@ -69,7 +72,7 @@ pub(crate) struct Filter<'p> {
     due: Vec<Vec<Reading>>,
     times: Vec<f64>,
     /// Groups of forces: states and what of the intensity each takes.
-    groups: &'p [Vec<(usize, f64)>],
+    groups: &'p [Group],
     intensities: &'p [f64],
     noise: &'p dyn Fn(usize, f64) -> f64,
     covariance: Vec<f64>,
@@ -95,7 +98,7 @@ impl<'p> Filter<'p> {
         record: usize,
         x: &'p [f64],
         (times, due): (Vec<f64>, Vec<Vec<Reading>>),
-        (groups, intensities): (&'p [Vec<(usize, f64)>], &'p [f64]),
+        (groups, intensities): (&'p [Group], &'p [f64]),
         noise: &'p dyn Fn(usize, f64) -> f64,
     ) -> Filter<'p> {
         let n = problem.system.states.len();
@@ -109,7 +112,7 @@ impl<'p> Filter<'p> {
     /// derivatives take a force at the begin, the middle and the end.
     fn forces(&self, phi: &[f64], h: f64, held: &[f64]) -> Vec<Vec<f64>> {
         let n = self.pass.n;
-        let of_group = |group: &Vec<(usize, f64)>| {
+        let of_group = |group: &Group| {
             let mut q = vec![0.0; n * n];
             for &(b, part) in group {
                 let begin: Vec<f64> = (0..n).map(|i| phi[i * n + b]).collect();
@@ -228,7 +231,7 @@ impl Pass {
 
     /// The smoothed force on each state before each reading, in the unit of its rate, with `intensities` as in the
     /// pass (A. E. Bryson and M. Frazier, Proc. Optimum System Synthesis Conference, 1963).
-    pub(crate) fn smoothed_forces(&self, groups: &[Vec<(usize, f64)>], intensities: &[f64]) -> Vec<Vec<f64>> {
+    pub(crate) fn smoothed_forces(&self, groups: &[Group], intensities: &[f64]) -> Vec<Vec<f64>> {
         let n = self.n;
         let mut lambda = vec![0.0; n];
         let mut out = vec![vec![0.0; self.intervals.len()]; n];

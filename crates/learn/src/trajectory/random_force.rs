@@ -11,7 +11,7 @@ use crate::decisions::{
 };
 use crate::least_squares::Limits;
 use crate::trajectory::error_bars::ErrorBars;
-use crate::trajectory::filter::{Filter, Gains, Pass, driven};
+use crate::trajectory::filter::{Filter, Gains, Group, Pass, driven};
 use crate::trajectory::fit::{Context, Fit, transfer};
 use crate::trajectory::kalman_smoother::reads_outputs;
 use crate::trajectory::noise::ColumnNoise;
@@ -27,7 +27,7 @@ use rayon::prelude::*;
 #[derive(Clone, Debug)]
 pub(crate) struct RandomForce {
     /// States that share an intensity, each with its part of it.
-    pub(crate) groups: Vec<Vec<(usize, f64)>>,
+    pub(crate) groups: Vec<Group>,
     /// For each record and group: the square of the unit of the rate, times seconds.
     pub(crate) intensities: Vec<Vec<f64>>,
 }
@@ -67,7 +67,7 @@ impl Problem<'_> {
         record: usize,
         x: &[f64],
         noise: &Noise,
-        (groups, intensities): (&[Vec<(usize, f64)>], &[f64]),
+        (groups, intensities): (&[Group], &[f64]),
     ) -> Option<(Pass, Gains)> {
         let segment = self.segments.iter().find(|s| s.record == record)?;
         let samples = self.delayed_samples(segment, x);
