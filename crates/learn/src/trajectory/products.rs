@@ -27,7 +27,8 @@ pub(crate) struct Products {
 impl Products {
     /// Of rows of `count` numbers.
     pub(crate) fn new(count: usize, meat: bool) -> Products {
-        let width = count.next_multiple_of(VECTOR);
+        // Where nothing is free there still are rows.
+        let width = count.max(1).next_multiple_of(VECTOR);
         Products {
             count,
             width,
