@@ -487,6 +487,47 @@ fn bad_files_are_refused_with_the_place_and_what_to_do() {
 }
 
 #[test]
+fn set_changes_a_draft() {
+    let scratch = Scratch::new("set");
+    let data = scratch.path("rig.csv");
+    std::fs::write(&data, table("time_s,x_mm", 300, |_, t| format!("{t:.3},{:.4}", (5.0 * t).sin())))
+        .expect("a file");
+    let said = phisindy(&["new", &data, "--set", "title=\"Mine\"", "--set", "learn.cutoff=0.07"]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    holds(&said.out, &["title: \"Mine\"", "cutoff: 0.07"]);
+    let wrong = phisindy(&["new", &data, "--set", "data.9.role=Fit"]);
+    assert_eq!((wrong.code, wrong.out.as_str()), (2, ""), "{}", wrong.err);
+}
+
+/// A spec is UTF-8, names of files need not be.
+#[cfg(target_os = "linux")]
+#[test]
+fn names_of_files_need_not_be_utf8() {
+    use std::ffi::OsStr;
+    use std::os::unix::ffi::OsStrExt;
+    let scratch = Scratch::new("names");
+    let path = |name: &[u8]| scratch.0.join(OsStr::from_bytes(name));
+    let (data, spec, out) = (path(b"r\xffg.csv"), path(b"s\xfe.ron"), path(b"o\xfdt"));
+    std::fs::write(
+        &data,
+        table("time_s,x_mm", 600, |k, t| format!("{t:.3},{:.4}", (5.0 * t).sin() + noise(k, 0.01))),
+    )
+    .expect("a file");
+    let run = |words: &[&OsStr]| {
+        let output = crate::common::program(&[]).args(words).output().expect("starts");
+        (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    let word = OsStr::new;
+    let new = run(&[word("new"), data.as_os_str(), word("--out"), spec.as_os_str()]);
+    assert_eq!(new.0, Some(0), "{}", new.1);
+    assert_eq!(run(&[word("check"), spec.as_os_str()]).0, Some(0));
+    let done = run(&[word("run"), spec.as_os_str(), word("--out"), out.as_os_str()]);
+    assert!(matches!(done.0, Some(0 | 1)), "{}", done.1);
+    let again = run(&[word("check"), out.join("identified.ron").as_os_str()]);
+    assert_eq!(again.0, Some(0), "{}", again.1);
+}
+
+#[test]
 fn nothing_is_overwritten_without_force() {
     let scratch = Scratch::new("overwrite");
     let (data, spec) = (scratch.path("rig.csv"), scratch.path("rig.ron"));

@@ -240,3 +240,30 @@ fn a_cutoff_is_found_beside_the_friction_and_its_spec_runs_again() {
     let header = String::from_utf8_lossy(&again.stdout).lines().next().map(str::to_owned);
     assert_eq!(header.as_deref(), Some("t,a,x_true,v_true,a_true,f"));
 }
+
+/// A friction tester is all outputs: it has inputs and a force, and nothing that moves by itself.
+#[test]
+fn a_model_without_states_has_an_answer() {
+    let folder = folder("outputs-tester");
+    let row = |k: u32| {
+        let t = f64::from(k) * 0.005;
+        let noise = 0.2 * (f64::from(k) * 12.9898).sin();
+        format!("{t},{:.8},{:.6}\n", 0.01 * (6.0 * t).sin(), 0.06 * 800.0 * (6.0 * t).cos() + noise)
+    };
+    std::fs::write(folder.join("a.csv"), format!("t,x,F\n{}", (0..1200).map(row).collect::<String>()))
+        .expect("a file");
+    for c in [r#"(800.0, "N*s/m")"#, r#"(value: 700.0, unit: "N*s/m", within: (0.0, 2000.0))"#] {
+        let spec = format!(
+            r#"(constants: {{ "c": {c} }}, states: {{}}, inputs: {{ "x": "m", "dx": "m/s" }}, outputs: {{ "F": (unit: "N", reads: "c*dx") }},
+                known: {{}}, unknown: {{}},
+                data: [Csv(path: "a.csv", time: "t", columns: {{ "x": "x", "F": "F" }}, derive: {{ "dx": Derivative("x") }})])"#
+        );
+        for command in ["run", "gap"] {
+            let out = phisindy(&folder, command, &spec, &["--out", command, "--format", "json", "--force"]);
+            let err = String::from_utf8_lossy(&out.stderr);
+            assert!(matches!(out.status.code(), Some(0 | 1)), "{command} {c}: {err}");
+            assert!(folder.join(command).join("report.html").is_file(), "{command}");
+            assert!(json(&out)["records"].as_array().is_some_and(|all| !all.is_empty()), "{command}");
+        }
+    }
+}

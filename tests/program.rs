@@ -142,6 +142,12 @@ fn mistakes_of_the_command_line_end_with_2() {
         &["run", "specs/case1a.ron", "--set", "learn.cutof=0.1"],
         &["run", "specs/case1a.ron", "--set", "data.7.noise=Relative(0)"],
         &["run", "specs/case1a.ron", "--jobs", "0"],
+        &["run", "specs/case1a.ron", "--jobs", "60000"],
+        // Each would be left aside without a word.
+        &["gap", "specs/case1a.ron", "--method", "step"],
+        &["simulate", "specs/case1a.ron", "--out", "folder"],
+        &["--format", "json", "check", "specs/case1a.ron"],
+        &["completions", "bash", "--seed", "1"],
         &["run", "specs/none.ron"],
         &["run", "specs"],
         &["laws", "stribek"],
@@ -159,6 +165,21 @@ fn mistakes_of_the_command_line_end_with_2() {
         assert!(said.err.contains("error"), "{arguments:?}: {}", said.err);
         assert!(!said.err.contains("panicked"), "{arguments:?}: {}", said.err);
     }
+}
+
+#[test]
+fn help_is_broken_at_words_and_shows_what_a_command_takes() {
+    let help = |arguments: &[&str]| {
+        let output = common::program(arguments).env("COLUMNS", "70").output().expect("starts");
+        String::from_utf8(output.stdout).expect("UTF-8")
+    };
+    for command in ["run", "gap", "new", "sweep", "go", "export", "open", "check"] {
+        let said = help(&[command, "--help"]);
+        let long = said.lines().find(|line| line.chars().count() > 70 && line.trim().contains(' '));
+        assert!(long.is_none(), "{command}: {long:?}");
+    }
+    assert!(help(&["run", "--help"]).contains("--method") && !help(&["gap", "--help"]).contains("--method"));
+    assert!(!help(&["simulate", "--help"]).contains("--out") && help(&["man", "--help"]).contains("--out"));
 }
 
 #[test]

@@ -222,6 +222,40 @@ fn a_journal_of_another_case_is_refused() {
 }
 
 #[test]
+fn a_journal_knows_files_by_their_content() {
+    let scratch = Scratch::new("content");
+    let (out, push) = (scratch.path("out"), scratch.path("push.csv"));
+    let written = |size: f64| {
+        let row = |k: u32| format!("{},{}\n", f64::from(k) * 0.01, size * (f64::from(k) * 0.02).sin());
+        fs::write(&push, format!("t,F\n{}", (0..2200).map(row).collect::<String>())).expect("written");
+    };
+    let path = scratch.path("case.ron");
+    let spec = r#"(constants: {}, states: { "x": "m", "v": "m/s" }, inputs: { "F": "N" }, known: { "x": "v", "v": "F - x" },
+        unknown: { "v": (factor: "-sgn(v)", candidates: ["1"]) }, contacts: ["v"],
+        data: [Synthetic(truth: { "v": "-0.2*sgn(v)" }, start: { "x": 1.0, "v": 0.0 }, duration: 20.0, step: 0.02,
+            noise: Additive(0.001), inputs: { "F": File(path: "push.csv", time: "t", column: "F") })])"#;
+    fs::write(&path, spec).expect("written");
+    let swept = || phisindy(&["sweep", &path, "--seeds", "2", "--out", &out]);
+    written(1.0);
+    assert_eq!(swept().code, 0, "{}", swept().err);
+    assert!(swept().err.starts_with("0 runs in "));
+    written(2.0);
+    let said = swept();
+    assert!(said.code == 2 && said.err.contains("holds runs of another case"), "{}", said.err);
+}
+
+#[test]
+fn a_part_of_a_sweep_replaces_no_whole_table() {
+    let scratch = Scratch::new("part");
+    let (parts, out) = (scratch.path("parts"), scratch.path("out"));
+    assert_eq!(sweep(&["--out", &out]).code, 0);
+    let before = fs::read_to_string(scratch.path("out/sweep.json")).expect("a table");
+    assert_eq!(sweep(&["--shard", "1/3", "--out", &parts]).code, 0);
+    assert_eq!(phisindy(&["sweep", "--merge", &parts, "--out", &out]).code, 1);
+    assert_eq!(fs::read_to_string(scratch.path("out/sweep.json")).expect("a table"), before);
+}
+
+#[test]
 fn cells_are_all_combinations() {
     let said = sweep(&[
         "--seeds",

@@ -96,6 +96,14 @@ fn an_input_from_a_file_is_what_the_file_says() {
     assert_eq!(made("", "0", record, &no_file).unwrap_err(), SyntheticError::Other("no such file".into()));
 }
 
+/// `v` passes through -k/e = -4e10 between the first two samples, of which none shows it.
+#[test]
+fn what_is_large_between_samples_alone_does_not_grow_without_bound() {
+    let truth = "-1e22*x - 2e11*v";
+    let (_, clean) = made("", truth, BASE, &no_file).expect("a stable system");
+    assert!(clean.states[2].abs() < 1e-9 && clean.states[3].abs() < 1e-3, "{:?}", &clean.states[2..4]);
+}
+
 #[test]
 fn what_cannot_be_made_says_why() {
     let said = |truth: &str, record: &str| made("", truth, record, &no_file).unwrap_err().to_string();
