@@ -57,8 +57,7 @@ impl Automaton {
     /// ```
     pub fn new(model: &Model) -> Result<Automaton, Unbound> {
         let mut model = model.clone();
-        let kinks =
-            if std::env::var("NOKINKS").is_ok() { Kinks::default() } else { Kinks::replace(&mut model) };
+        let kinks = Kinks::replace(&mut model);
         let model = &model;
         let mut switched = Switched::new(model);
         let (kink_rates, kink_normals) = motion(&mut switched, model, &kinks.surfaces);

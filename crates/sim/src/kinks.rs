@@ -169,19 +169,17 @@ fn candidates(model: &mut Model) -> Vec<Id> {
     let limited = graph.reachable(&operands);
     let moving: Vec<Id> = model.states.iter().chain(&model.inputs).chain([&model.time]).copied().collect();
     let mut fits = |id: Id| {
-        let (a, b) = match graph.node(id) {
-            Node::Unary(Unary::Abs | Unary::Pos, w) => (w, None),
-            Node::Binary(Binary::Dead | Binary::Min | Binary::Max, a, b) => (a, Some(b)),
+        let (surfaces, branches) = match graph.node(id) {
+            Node::Unary(Unary::Abs | Unary::Pos, w) => (vec![w], false),
+            Node::Binary(Binary::Dead, x, gap) => (vec![graph.sub(x, gap), graph.add(x, gap)], false),
+            Node::Binary(Binary::Min | Binary::Max, a, b) => (vec![graph.sub(a, b)], true),
             _ => return false,
         };
-        let operands: Vec<Id> = [a].into_iter().chain(b).collect();
-        let branches = matches!(graph.node(id), Node::Binary(Binary::Min | Binary::Max, ..));
-        let w = if let (true, Some(b)) = (branches, b) { graph.sub(a, b) } else { a };
-        let blows_up = || branches && graph.reachable(&operands).iter().any(|&k| infinite(graph, k, &moving));
-        graph.uses(&operands, &moving)
+        let operands: Vec<Id> = graph.operands(id).collect();
+        !surfaces.iter().any(|w| switched.contains(w))
+            && graph.uses(&operands, &moving)
             && !graph.uses(&operands, &signs)
-            && !switched.contains(&w)
-            && !blows_up()
+            && !(branches && graph.reachable(&operands).iter().any(|&k| infinite(graph, k, &moving)))
     };
     seen.into_iter().filter(|id| limited.binary_search(id).is_err() && fits(*id)).collect()
 }
@@ -204,5 +202,48 @@ fn infinite(graph: &Graph, id: Id, moving: &[Id]) -> bool {
             graph.value(power).is_none_or(|power| power < 0.0) && graph.uses(&[base], moving)
         }
         _ => false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The surfaces of a model with this rate of `v`, as texts.
+    fn surfaces(rate: &str) -> Vec<String> {
+        let mut model = Model::build(&["x", "v"], &["u"], &["g", "n"], &["v", rate]).unwrap();
+        let kinks = Kinks::replace(&mut model);
+        kinks.surfaces.iter().map(|&w| model.graph.text(w, &model.names)).collect()
+    }
+
+    #[test]
+    fn corners_of_the_rates_are_events() {
+        let of = |rate: &str, due: &[&str]| assert_eq!(surfaces(rate), due, "{rate}");
+        of("|x| + pos(-x)", &["x"]);
+        of("dead(x, g)", &["x - g", "x + g"]);
+        of("min(u, 3*x)", &["u - 3*x"]);
+        of("|dead(x, 0)|*v + max(t, 2)", &["x", "dead(x, 0)", "t - 2"]);
+        // A sign beside it makes a switch of the surface.
+        of("-sgn(v)*(g + |v|) - |x|", &["x"]);
+        of("sgn(|x| - g)", &[]);
+        // What does not move has no events.
+        of("|g|*x", &[]);
+    }
+
+    /// No slope jumps, no value beyond the surface, an infinite branch: step control passes these.
+    #[test]
+    fn what_needs_no_event_or_bears_none_is_left() {
+        for rate in [
+            "|v|*v",
+            "pos(x - 1)^2 + |x - g|*3*(g - x)*u",
+            "sqrt(|x|)",
+            "pos(x)^1.5 + |v|^n",
+            "ln(1 + |x|)",
+            "min(1/x, 3)",
+            "max(ln(x), -5)",
+        ] {
+            assert_eq!(surfaces(rate), [""; 0], "{rate}");
+        }
+        assert_eq!(surfaces("|v|*v + |v|"), ["v"]);
     }
 }

@@ -213,70 +213,16 @@ fn rest_on_a_kink_costs_nothing() {
     }
 }
 
+/// A kink is passed in one shortened step, where step control takes a dozen that it refuses: three quarters of the
+/// evaluations that it needs are enough.
 #[test]
-fn zz_print() {
-    for (name, case, end) in [
-        ("stop", stop(), 12.0),
-        ("play", play(), 20.0),
-        ("zoo", zoo(), 20.0),
-        ("drag", Case::new(&[("x", 1.0, "v"), ("v", 0.0, "-x - 0.3*|v|*v + sin(2.1*t)")], &[]), 20.0),
-        (
-            "sat",
-            Case::new(&[("x", 1.0, "v"), ("v", 0.0, "max(min(-3*x - 0.5*v + 3*sin(2.1*t), 1), -1)")], &[]),
-            20.0,
-        ),
-        (
-            "stiff wall",
-            Case::new(&[("x", 0.3, "v"), ("v", 0.0, "-9.81 + pos(-x)*(1e6) + 10*pos(-v)*0")], &[]),
-            5.0,
-        ),
-        ("hertz", Case::new(&[("x", 0.3, "v"), ("v", 0.0, "-9.81 + 1e5*pos(-x)^1.5")], &[]), 5.0),
-    ] {
-        for tolerance in [1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-13] {
-            let run = case.clone().tolerance(tolerance).run_with_sensitivities(&grid(end, 400));
-            let m = run.m;
-            let n = run.n;
-            eprintln!(
-                "{name} {tolerance:e}: steps {} rejected {} evals {} implicit {} end {:?} S {:?}",
-                run.steps,
-                run.rejected,
-                run.evaluations,
-                run.implicit,
-                &run.states[100 * n..100 * n + 2],
-                &run.sensitivities[100 * n * m..100 * n * m + 3]
-            );
-        }
-    }
-    // a chain of bodies
-    for law in ["cd*|v{i}|*v{i}", "4*dead(x{i}-x{j}, 0.05)", "0"] {
-        let n = 25;
-        let mut rows: Vec<(String, f64, String)> = vec![];
-        for i in 0..n {
-            rows.push((format!("x{i}"), 0.0, format!("v{i}")));
-        }
-        for i in 0..n {
-            let j = if i == 0 { 1 } else { i - 1 };
-            let left = if i == 0 { "2*sin(1.7*t) - x0".to_owned() } else { format!("20*(x{}-x{i})", i - 1) };
-            let right = if i == n - 1 { "0".to_owned() } else { format!("20*(x{}-x{i})", i + 1) };
-            let law = law.replace("{i}", &i.to_string()).replace("{j}", &j.to_string());
-            rows.push((format!("v{i}"), 0.0, format!("{left} + {right} - 0.1*v{i} - {law}")));
-        }
-        let states: Vec<(&str, f64, &str)> = rows.iter().map(|r| (r.0.as_str(), r.1, r.2.as_str())).collect();
-        let case = Case::new(&states, &[("cd", 0.4)]);
-        for tolerance in [1e-5, 1e-6, 1e-7, 1e-8] {
-            let start = std::time::Instant::now();
-            let run = case.clone().tolerance(tolerance).run(&grid(20.0, 1000));
-            let took = start.elapsed();
-            let s = std::time::Instant::now();
-            let _ = case.clone().tolerance(tolerance).run_with_sensitivities(&grid(20.0, 1000));
-            eprintln!(
-                "chain {law} {tolerance:e}: steps {} rejected {} evals {} {:?} S {:?}",
-                run.steps,
-                run.rejected,
-                run.evaluations,
-                took,
-                s.elapsed()
-            );
-        }
+fn a_kink_costs_little() {
+    let saturated = "max(min(-3*x - 0.5*v + 3*sin(2.1*t), 1), -1)";
+    let saturated = Case::new(&[("x", 1.0, "v"), ("v", 0.0, saturated)], &[]);
+    for (case, end, by_step_control) in [(stop(), 12.0, 452), (play(), 20.0, 15_542), (saturated, 20.0, 2054)]
+    {
+        let run = case.tolerance(1e-8).run(&grid(end, 400));
+        assert!(4 * run.evaluations < 3 * by_step_control, "{} of {by_step_control}", run.evaluations);
+        assert!(run.rejected < run.steps / 4, "{} of {}", run.rejected, run.steps);
     }
 }
