@@ -219,13 +219,20 @@ fn table(rig: &Rig, names: &[&str; 3], dice: &mut Dice) -> (Vec<u8>, String) {
     (bytes, record + ")")
 }
 
-/// A law that nobody thought of, with units that fit.
+/// A law that nobody thought of, with units that fit and no parameter that does nothing.
 pub(super) fn law(dice: &mut Dice) -> String {
     let force = shape(dice, 3);
+    let scales =
+        [("b", "/b", "m/s"), ("c", "/c", "m")].into_iter().filter(|(_, used, _)| force.contains(used));
+    let (mut parameters, mut sketch) =
+        ("\"A\": (unit: \"N\", within: (-1e9, 1e9))".to_owned(), "\"A\": 1.0".to_owned());
+    for (name, _, unit) in scales {
+        let _ = write!(parameters, ", \"{name}\": (unit: \"{unit}\", within: (1e-6, 1e6))");
+        let _ = write!(sketch, ", \"{name}\": 0.3");
+    }
     format!(
         "(name: \"odd law\", about: \"Drawn by dice.\", reference: \"none\", roles: {{ \"x\": \"m\", \"v\": \"m/s\" }},\n\
-         parameters: {{ \"A\": (unit: \"N\", within: (-1e9, 1e9)), \"b\": (unit: \"m/s\", within: (1e-6, 1e6)), \"c\": (unit: \"m\", within: (1e-9, 1e6)) }},\n\
-         force: \"A*({force})\", sketch: (over: \"v\", with: {{ \"A\": 1.0, \"b\": 0.3, \"c\": 0.2 }}))\n"
+         parameters: {{ {parameters} }},\nforce: \"A*({force})\", sketch: (over: \"v\", with: {{ {sketch} }}))\n"
     )
 }
 
