@@ -124,13 +124,20 @@ fn part(graph: &mut Graph, mode: Id, value: Id) -> Id {
 fn blunt(graph: &mut Graph, rates: &[Id], kinks: &Kinks, with: &HashMap<Id, Id>) -> Vec<Id> {
     let shares: Vec<Vec<Id>> = rates.iter().map(|&rate| graph.gradient(rate, &kinks.modes)).collect();
     let within = graph.replace(&kinks.surfaces, with);
-    let flat =
-        |k: &usize| shares.iter().all(|of| order(graph, of[*k], [kinks.surfaces[*k], within[*k]]) >= 2.0);
+    let turned = |graph: &mut Graph, w: Id| match graph.node(w) {
+        Node::Binary(Binary::Sub, a, b) => graph.sub(b, a),
+        _ => w,
+    };
+    let flat = |k: &usize| {
+        let [w, as_is] = [kinks.surfaces[*k], within[*k]];
+        let either_way = [w, as_is, turned(graph, w), turned(graph, as_is)];
+        shares.iter().all(|of| order(graph, of[*k], &either_way) >= 2.0)
+    };
     (0..kinks.modes.len()).filter(flat).map(|k| kinks.surfaces[k]).collect()
 }
 
-/// The power of `w` with which an expression vanishes on `w = 0`, as far as its products tell.
-fn order(graph: &Graph, of: Id, w: [Id; 2]) -> f64 {
+/// The power of `w` (given in all its forms) with which an expression vanishes on `w = 0`, as far as its products tell.
+fn order(graph: &Graph, of: Id, w: &[Id]) -> f64 {
     let mut orders: HashMap<Id, f64> = HashMap::new();
     for id in graph.reachable(&[of]) {
         let order = match graph.node(id) {
