@@ -4,7 +4,7 @@
 use crate::args::Options;
 use crate::terminal::remark;
 use anyhow::{Context, Result, anyhow, bail};
-use phisindy::files::{FolderError, Kept, ResultFolder, write_whole};
+use phisindy::files::{FolderError, Kept, ResultFolder, try_to_write, write_whole};
 use phisindy_report::Folder;
 use std::ffi::OsString;
 use std::fs;
@@ -61,8 +61,7 @@ impl OutDir {
     pub(crate) fn create(path: &Path) -> Result<OutDir> {
         fs::create_dir_all(path)
             .with_context(|| format!("cannot make the folder `{}` of --out{ELSEWHERE}", path.display()))?;
-        let probe = path.join(format!(".probe.{}.part", std::process::id()));
-        fs::write(&probe, b"").and_then(|()| fs::remove_file(&probe)).with_context(|| {
+        try_to_write(path).with_context(|| {
             format!("cannot write into the folder `{}` of --out{ELSEWHERE}", path.display())
         })?;
         Ok(OutDir(path.to_owned()))

@@ -89,6 +89,8 @@ pub(crate) fn minimise_by(
     let n = values.len();
     let mut damping = FIRST_DAMPING;
     let mut tries = 0;
+    // A start beyond a bound would stay there where nothing within is lower.
+    values.iter_mut().zip(bounds).for_each(|(v, &(low, high))| *v = v.clamp(low, high));
     let mut now = evaluate(values, f64::INFINITY)?;
     for done in 0..limits.iterations {
         let hopeless = now.cost > limits.hopeless;

@@ -29,10 +29,12 @@ impl<'a> Context<'a> {
         for _ in 0..SIDE_ROUNDS {
             let bars = ErrorBars::new(&fit);
             let blurred = |k: &usize| jumps || bars.error(*k) > BLURRED * fit.x[*k].abs();
+            let within = |k: usize, z: f64| z.clamp(fit.problem.bounds[k].0, fit.problem.bounds[k].1);
+            let end = |k: usize, reach: f64| within(k, fit.x[k] + reach * HALF_WIDTH_95 * bars.error(k));
             let ends: Vec<(usize, f64)> = (0..fit.problem.terms.len())
                 .filter(blurred)
-                .flat_map(|k| SIDE_REACH.map(|reach| (k, fit.x[k] + reach * HALF_WIDTH_95 * bars.error(k))))
-                .filter(|(_, z)| z.is_finite())
+                .flat_map(|k| SIDE_REACH.map(|reach| (k, end(k, reach))))
+                .filter(|(k, z)| z.is_finite() && *z != fit.x[*k])
                 .collect();
             let lower = |&(k, z): &(usize, f64)| {
                 let mut x = followed(&fit, k, z);

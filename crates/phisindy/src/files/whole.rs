@@ -28,6 +28,17 @@ pub fn write_whole(path: &Path, content: &[u8]) -> io::Result<()> {
     Ok(())
 }
 
+/// Tries to write into a folder; what a killed program left of such a trial is removed.
+///
+/// # Errors
+/// The folder cannot be written.
+pub fn try_to_write(folder: &Path) -> io::Result<()> {
+    let trial = folder.join("trial");
+    remove_parts(&trial);
+    let part = part_of(&trial)?;
+    File::create(&part).and_then(|_| fs::remove_file(&part))
+}
+
 /// The name under which this process writes a file or a folder until it is whole.
 ///
 /// # Errors
