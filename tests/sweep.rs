@@ -238,7 +238,7 @@ fn a_journal_knows_files_by_their_content() {
     let swept = || phisindy(&["sweep", &path, "--seeds", "2", "--out", &out]);
     written(1.0);
     assert_eq!(swept().code, 0, "{}", swept().err);
-    assert!(swept().err.starts_with("0 runs in "));
+    assert!(swept().err.contains("0 runs in "));
     written(2.0);
     let said = swept();
     assert!(said.code == 2 && said.err.contains("holds runs of another case"), "{}", said.err);

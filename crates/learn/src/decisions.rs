@@ -222,6 +222,12 @@ decisions! {
 
     /// Stretches of a record of which the one with the strongest force is told.
     REMAINDER_STRETCHES: usize = 20, "stretches", Basis::Judgement("a twentieth of a record is a place that one can look at");
+    /// Starts of the predictions by which an error is told against the time ahead ...
+    HORIZON_STARTS: usize = 12, "starts", Basis::Judgement("their mean is known to a third");
+    /// ... in steps of this ratio ...
+    HORIZON_STEPS: usize = 10, "times", Basis::Convention("decades");
+    /// ... beside a linear model, where no step of the time differs by more than this.
+    EVEN: f64 = 0.05, "part of a step", Basis::Judgement("an autoregression knows no times");
     /// A force that is left and follows the motion with more than this part of the whole rate is a law.
     LAW_MISSING: f64 = 0.1, "part of the rate", Basis::Judgement("a tenth of the force is more than laws of friction differ by from rig to rig");
     /// Records whose numbers are further apart than this are not of one machine.

@@ -1,5 +1,6 @@
 //! Identification from start to end, whatever the method.
 
+use crate::copies::{copies, restored, without};
 use crate::decisions::{FINE_NRMSE, WORSE};
 use crate::record_mistakes::{suitable, unreadable};
 use crate::result::contribution::contributions;
@@ -58,6 +59,11 @@ pub fn identify(
     options: &LearnOptions,
     observe: &mut dyn FnMut(f64) -> ControlFlow<()>,
 ) -> Result<Identified, LearnError> {
+    let copies = copies(records);
+    if copies.iter().any(Option::is_some) {
+        let found = identify(case, &without(records, &copies), options, observe)?;
+        return Ok(restored(found, records, &copies));
+    }
     let fitted: Vec<&Record> = records.iter().filter(|r| r.role == Role::Fit).collect();
     if fitted.is_empty() {
         return Err(DataError::NothingToFit.into());

@@ -10,6 +10,7 @@
 //! Results, warnings and errors are data; `Display` gives their sentences. This crate reads no files, prints
 //! nothing and knows no clock.
 
+mod copies;
 mod decisions;
 mod differentiator_dependence;
 mod identify;
@@ -30,6 +31,8 @@ pub use input_noise::noisier;
 pub use record_mistakes::{dead_column, suitable};
 pub use result::error::{DataError, LearnError, ModelError, NumericsError, TruthError};
 pub use result::estimate::Estimate;
+pub use result::held::HeldConstant;
+pub use result::horizon::Horizon;
 pub use result::identified::{Identified, NoiseModel, PathPoint, StopReason};
 pub use result::parameter::{FoundParameter, parameter_values};
 pub use result::passivity_violation::PassivityViolation;

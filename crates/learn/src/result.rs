@@ -3,6 +3,8 @@
 pub(crate) mod contribution;
 pub(crate) mod error;
 pub(crate) mod estimate;
+pub(crate) mod held;
+pub(crate) mod horizon;
 pub(crate) mod identified;
 pub(crate) mod parameter;
 pub(crate) mod passivity;

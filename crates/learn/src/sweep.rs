@@ -1,12 +1,12 @@
 //! Comparison with the truth of synthetic cases: the truth as terms, the Cramer-Rao bound, one seed of a
 //! sweep.
 
-use crate::decisions::{NOISE_FLOOR, TRUTH_DAMPING, TRUTH_MISS, TRUTH_POINTS, TRUTH_SHARE};
+use crate::decisions::{TRUTH_DAMPING, TRUTH_MISS, TRUTH_POINTS, TRUTH_SHARE};
 use crate::identify::{LearnOptions, identify};
 use crate::linear::{covariance, solve_damped, symmetric};
 use crate::result::error::{LearnError, ModelError, TruthError};
 use crate::result::identified::Identified;
-use crate::trajectory::noise::ColumnNoise;
+use crate::trajectory::noise::{ColumnNoise, least_noise};
 use crate::trajectory::problem::Problem;
 use phisindy_expr::{Id, Scratch, Tape};
 use phisindy_phys::spec::{NoiseSpec, Role};
@@ -151,17 +151,21 @@ pub fn bound(
         .map(|(i, &r)| {
             (0..case.system.columns())
                 .map(|k| {
-                    let d = problem.deviations[i][k];
-                    let floor = NOISE_FLOOR * d;
+                    let floor = problem.records[i].columns[k].as_deref().map_or(0.0, least_noise);
                     let Origin::Synthetic(s) = &case.records[r].origin else {
                         return ColumnNoise { additive: floor, relative: 0.0 };
                     };
                     match &s.noise {
                         NoiseSpec::Relative(f) => ColumnNoise { additive: floor, relative: f.value },
                         NoiseSpec::Additive(f) => {
-                            ColumnNoise { additive: (f.value * d).max(floor), relative: 0.0 }
+                            let additive = f.value * problem.deviations[i][k];
+                            ColumnNoise { additive: additive.max(floor), relative: 0.0 }
                         }
-                        _ => ColumnNoise::estimate(&residuals[i][k].residual, &residuals[i][k].prediction, d),
+                        _ => ColumnNoise::estimate(
+                            &residuals[i][k].residual,
+                            &residuals[i][k].prediction,
+                            floor,
+                        ),
                     }
                 })
                 .collect()

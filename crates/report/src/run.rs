@@ -4,6 +4,7 @@ mod adapted;
 mod contribution;
 mod finding;
 mod fixed;
+mod horizon;
 mod json;
 mod report;
 mod resistance;

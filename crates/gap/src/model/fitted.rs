@@ -11,7 +11,7 @@ use crate::whiteness::score;
 use phisindy_learn::{Calibration, Effort, FoundParameter, RecordFit, SegmentFit, calibrate, calibrate_from};
 use phisindy_phys::spec::Role;
 use phisindy_phys::{Parameter, Record};
-use phisindy_signal::noise_level_at;
+use phisindy_signal::{noise_level_at, rounding_error};
 use std::sync::Arc;
 
 /// A calibrated model.
@@ -155,7 +155,8 @@ impl Fitted {
             if residual.is_empty() {
                 own
             } else {
-                grown.max(noise_level_at(&self.model.records[r].time, residual)).max(f64::MIN_POSITIVE)
+                let level = noise_level_at(&self.model.records[r].time, residual);
+                grown.max(level).max(rounding_error(column)).max(f64::MIN_POSITIVE)
             }
         };
         let none = vec![];

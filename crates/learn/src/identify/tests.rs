@@ -57,6 +57,8 @@ fn said(terms: Vec<FoundTerm>, records: Vec<RecordFit>) -> Identified {
         records,
         noise_model: NoiseModel::Unweighted,
         remainder: vec![],
+        held: vec![],
+        horizon: vec![],
         selection: vec![],
         covariance: vec![],
         warnings: vec![],

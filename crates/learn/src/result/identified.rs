@@ -1,5 +1,7 @@
 //! What identification returns: terms with error bars, parameters, the fit of every record, a verdict.
 
+use super::held::HeldConstant;
+use super::horizon::Horizon;
 use super::parameter::{FoundParameter, parameter_values};
 use super::record_fit::RecordFit;
 use super::remainder::Remainder;
@@ -64,6 +66,10 @@ pub struct Identified {
     /// Covariance (SI) of the coefficients of `terms`, then of `parameters`, in their order; empty where the
     /// method does not tell. Infinite on the diagonal is what the data say nothing about.
     pub covariance: Vec<Vec<f64>>,
+    /// How far the model predicts; empty where the method does not tell.
+    pub horizon: Vec<Horizon>,
+    /// The constants that were held, and how the numbers hang on them; empty where the method does not tell.
+    pub held: Vec<HeldConstant>,
     /// What a careful reader should know.
     pub warnings: Vec<Warning>,
     /// Whether to believe it.

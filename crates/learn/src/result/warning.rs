@@ -19,6 +19,13 @@ pub enum Warning {
         /// What was done.
         note: Note,
     },
+    /// A record holds the samples of another one, and was counted once.
+    Copy {
+        /// Its name.
+        record: String,
+        /// The name of the other one.
+        of: String,
+    },
     /// A number ended at a bound of the spec.
     AtBound {
         /// Which.

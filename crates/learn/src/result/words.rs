@@ -152,6 +152,7 @@ impl Display for Warning {
                  measure the derivative, or choose by what is known of the motion (Spectral: smooth, SavitzkyGolay: with stops, Spline: any grid)",
                 with.name()
             ),
+            Warning::Copy { record, of } => write!(f, "{record} holds the same samples as {of}: they count once, and show nothing of how well the result repeats"),
             Warning::Coloured { independent } => write!(
                 f,
                 "the residual is not white ({:.0} % of the samples are independent): something is still missing, the known part is wrong, or the sensor filters; the intervals allow for the correlation",

@@ -67,6 +67,8 @@ pub(crate) fn by_steps(
         records: fits,
         noise_model: NoiseModel::Unweighted,
         remainder: vec![],
+        held: vec![],
+        horizon: vec![],
         selection,
         covariance,
         warnings,

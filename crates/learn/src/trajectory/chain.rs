@@ -7,15 +7,15 @@
 //! Start states couple to their neighbours alone, so the work grows with their number.
 
 use crate::decisions::{
-    CHAIN_MINIMUM, CHAIN_SAMPLES, FIRST_NOISE, FORGOTTEN, LONGEST_STRETCH, LOOSE_JOINTS, LOST, NOISE_FLOOR,
-    START_GAIN, STRETCHES_PER_TERM, TIGHT_JOINTS,
+    CHAIN_MINIMUM, CHAIN_SAMPLES, FIRST_NOISE, FORGOTTEN, LONGEST_STRETCH, LOOSE_JOINTS, LOST, START_GAIN,
+    STRETCHES_PER_TERM, TIGHT_JOINTS,
 };
 use crate::least_squares::Limits;
 use crate::trajectory::chain_selection::{Criterion, addition, select_on_chain};
 use crate::trajectory::fit::{Context, Fit, transfer};
 use crate::trajectory::initial::Regression;
 use crate::trajectory::layout::Segment;
-use crate::trajectory::noise::ColumnNoise;
+use crate::trajectory::noise::{ColumnNoise, least_noise};
 use crate::trajectory::problem::{Noise, Problem};
 use crate::trajectory::select::Selection;
 use phisindy_phys::Record;
@@ -94,7 +94,7 @@ impl<'a> Context<'a> {
         let pieces: Vec<usize> = self.records.iter().map(|r| (r.len() / CHAIN_SAMPLES).max(1)).collect();
         let mut problem = Problem::new(self.system, terms, &self.records, &pieces).ok()?;
         problem.chained = true;
-        let noise = self.spectral_noise(&problem);
+        let noise = self.spectral_noise();
         let weights = problem.weights(&noise, None);
         let mut x = problem.guess(coefficients, None, &self.smooth);
         for tight in LOOSE_JOINTS {
@@ -137,12 +137,11 @@ impl<'a> Context<'a> {
     }
 
     /// The noise of each column from its spectrum above the motion.
-    pub(crate) fn spectral_noise(&self, problem: &Problem<'_>) -> Noise {
+    pub(crate) fn spectral_noise(&self) -> Noise {
         let of = |r: usize, k: usize| {
-            let floor = NOISE_FLOOR * problem.deviations[r][k];
-            let level =
-                self.records[r].columns[k].as_ref().map_or(0.0, |c| noise_level_at(&self.records[r].time, c));
-            ColumnNoise { additive: level.max(floor).max(f64::MIN_POSITIVE), relative: 0.0 }
+            let of = |c: &Vec<f64>| noise_level_at(&self.records[r].time, c).max(least_noise(c));
+            let level = self.records[r].columns[k].as_ref().map_or(0.0, of);
+            ColumnNoise { additive: level.max(f64::MIN_POSITIVE), relative: 0.0 }
         };
         (0..self.records.len()).map(|r| (0..self.system.columns()).map(|k| of(r, k)).collect()).collect()
     }

@@ -6,6 +6,7 @@
 
 use crate::decisions::{MIXED_NOISE, NOISE_FLOOR, NOISE_GAIN, NOISE_ITERATIONS, NOISE_RANK};
 use crate::result::identified::NoiseModel;
+use phisindy_signal::{rounding_error, standard_deviation};
 
 /// Variance of one column.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,12 +23,12 @@ impl ColumnNoise {
     }
 
     /// Maximum likelihood for Gaussian residuals, by Fisher scoring on the two variances: squared residuals
-    /// are regressed on 1 and prediction^2 with weights 1/variance^2. `deviation` is the standard deviation
-    /// of the column.
-    pub(crate) fn estimate(residuals: &[f64], predictions: &[f64], deviation: f64) -> ColumnNoise {
+    /// are regressed on 1 and prediction^2 with weights 1/variance^2. The part that does not depend on the
+    /// signal is at least `floor`, see [`least_noise`].
+    pub(crate) fn estimate(residuals: &[f64], predictions: &[f64], floor: f64) -> ColumnNoise {
         let n = residuals.len().max(1) as f64;
         let mean = residuals.iter().map(|r| r * r).sum::<f64>() / n;
-        let floor = (NOISE_FLOOR * deviation).powi(2).max(f64::MIN_POSITIVE);
+        let floor = floor.powi(2).max(f64::MIN_POSITIVE);
         let size = predictions.iter().map(|p| p * p).sum::<f64>() / n;
         let alone = ColumnNoise { additive: mean.max(floor).sqrt(), relative: 0.0 };
         if size <= 0.0 || mean <= 0.0 {
@@ -97,6 +98,12 @@ impl ColumnNoise {
     }
 }
 
+/// The least noise of a column: a part of its motion, and the rounding of its last digit (`step/sqrt(12)`,
+/// which a sensor at rest does not show).
+pub(crate) fn least_noise(column: &[f64]) -> f64 {
+    (NOISE_FLOOR * standard_deviation(column)).max(rounding_error(column))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -151,13 +158,13 @@ mod tests {
         let signal: Vec<f64> = (0..n).map(|k| (k as f64 * 0.01).sin()).collect();
         let noise = normal(n);
         let additive: Vec<f64> = noise.iter().map(|e| 0.05 * e).collect();
-        let found = ColumnNoise::estimate(&additive, &signal, 0.7);
+        let found = ColumnNoise::estimate(&additive, &signal, 7e-4);
         assert!(
             (found.additive - 0.05).abs() < 0.002 && found.kind(0.7) == NoiseModel::Additive,
             "{found:?}"
         );
         let relative: Vec<f64> = noise.iter().zip(&signal).map(|(e, s)| 0.1 * e * s).collect();
-        let found = ColumnNoise::estimate(&relative, &signal, 0.7);
+        let found = ColumnNoise::estimate(&relative, &signal, 7e-4);
         assert!((found.relative - 0.1).abs() < 0.005 && found.kind(0.7) == NoiseModel::Relative, "{found:?}");
     }
 
@@ -168,7 +175,7 @@ mod tests {
         let truth = ColumnNoise { additive: 0.05, relative: 0.1 };
         let residuals: Vec<f64> =
             normal(n).iter().zip(&signal).map(|(e, s)| e * truth.variance(*s).sqrt()).collect();
-        let found = ColumnNoise::estimate(&residuals, &signal, 1.06);
+        let found = ColumnNoise::estimate(&residuals, &signal, 1.06e-3);
         assert_eq!(found.kind(1.06), NoiseModel::Mixed);
         // Its standard errors are some 2 and 3 % of it.
         assert!((found.additive / 0.05 - 1.0).abs() < 0.06, "{found:?}");
@@ -186,10 +193,10 @@ mod tests {
     #[test]
     fn a_residual_of_nothing_leaves_the_floor() {
         let signal = [1.0, -2.0, 0.5];
-        let floor = ColumnNoise { additive: 2.0 * NOISE_FLOOR, relative: 0.0 };
-        assert_eq!(ColumnNoise::estimate(&[0.0; 3], &signal, 2.0), floor);
+        let floor = ColumnNoise { additive: 0.002, relative: 0.0 };
+        assert_eq!(ColumnNoise::estimate(&[0.0; 3], &signal, 0.002), floor);
         // A relative part has to earn its place: three samples of one size do not pay for it.
-        let found = ColumnNoise::estimate(&[0.1, -0.1, 0.1], &signal, 2.0);
+        let found = ColumnNoise::estimate(&[0.1, -0.1, 0.1], &signal, 0.002);
         assert!((found.additive - 0.1).abs() < 1e-15 && found.relative == 0.0, "{found:?}");
     }
 
@@ -211,13 +218,13 @@ mod tests {
         let found = |part: f64| {
             let of = |(e, s): (&f64, &f64)| 0.05 * e * (1.0 + part * s * s).sqrt();
             let residuals: Vec<f64> = noise.iter().zip(&signal).map(of).collect();
-            ColumnNoise::estimate(&residuals, &signal, 0.7)
+            ColumnNoise::estimate(&residuals, &signal, 7e-4)
         };
         assert_eq!(found(0.11).relative, 0.0);
         assert!(found(0.4).relative > 0.02, "{:?}", found(0.4));
         // Where the signal has one size only, the two parts are the same thing.
         let flat: Vec<f64> = (0..n).map(|k| if k % 3 == 0 { 1.7 } else { -1.7 }).collect();
-        let found = ColumnNoise::estimate(&noise, &flat, 1.7);
+        let found = ColumnNoise::estimate(&noise, &flat, 1.7e-3);
         assert!(found.relative == 0.0 && (found.additive - 1.0).abs() < 2e-3, "{found:?}");
     }
 
@@ -227,7 +234,7 @@ mod tests {
         let signal: Vec<f64> = (0..n).map(|k| (k as f64 * 0.01).sin()).collect();
         let residuals: Vec<f64> = normal(n).iter().zip(&signal).map(|(e, s)| 0.1 * e * s).collect();
         // A floor of 0.03 beside a noise that vanishes with the signal.
-        let found = ColumnNoise::estimate(&residuals, &signal, 30.0);
+        let found = ColumnNoise::estimate(&residuals, &signal, 0.03);
         assert!((found.additive - 0.03).abs() < 1e-15, "{found:?}");
         let unlikely = |relative: f64| -> f64 {
             let noise = ColumnNoise { relative, ..found };

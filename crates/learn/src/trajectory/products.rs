@@ -127,7 +127,7 @@ impl Products {
 /// `j^T A^-1 j`.
 fn leverage(row: &[f64], inverse: &[f64]) -> f64 {
     let along = |line: &[f64]| line.iter().zip(row).map(|(a, j)| a * j).sum::<f64>();
-    row.iter().zip(inverse.chunks_exact(row.len())).map(|(j, line)| j * along(line)).sum()
+    row.iter().zip(inverse.chunks_exact(row.len().max(1))).map(|(j, line)| j * along(line)).sum()
 }
 
 #[cfg(test)]

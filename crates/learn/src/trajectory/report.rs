@@ -17,9 +17,11 @@ use crate::result::warning::Chaos;
 use crate::result::warning::{Warning, at_bounds, sensitive_starts};
 use crate::trajectory::agreement::{Agreement, disagreements};
 use crate::trajectory::contradiction::contradiction;
+use crate::trajectory::elasticities::elasticities;
 use crate::trajectory::error_bars::ErrorBars;
 use crate::trajectory::fit::{Fit, misfit};
 use crate::trajectory::free_run::{Solution, free_runs};
+use crate::trajectory::horizon::horizons;
 use crate::trajectory::jacobian::Singular;
 use crate::trajectory::problem::Meaning;
 use crate::trajectory::remainder::remainders;
@@ -53,6 +55,7 @@ pub(crate) fn report(
     let mut warnings: Vec<Warning> = notes(records).collect();
     warnings.extend(at_bounds(&parameters));
     let failure = failure(fit);
+    let fitted = failure.is_none();
     let mut input_noise = InputNoiseEffect::default();
     // Where the fit has not moved its covariance says nothing of the data.
     if failure.is_none() {
@@ -87,6 +90,7 @@ pub(crate) fn report(
         p.estimate.widen(variance(k));
         p.estimate.ci95 = (p.estimate.ci95.0.max(p.bounds.0), p.estimate.ci95.1.min(p.bounds.1));
     }
+    let horizon = horizons(fit, records, filled, &solution, &fits);
     let without = free_runs(system, records, filled, &mut known_part(solution, records));
     let remainder = remainders(fit);
     let judged = match &fit.force {
@@ -107,6 +111,7 @@ pub(crate) fn report(
         fits[r].noise = noise_of(fit, i);
     }
     let numbers: Vec<usize> = named.iter().map(|(k, _)| *k).collect();
+    let freed = case.with_constants.as_deref().filter(|_| fitted && !fit.problem.chained);
     Identified {
         method: Method::Trajectory,
         selection: with_nrmse(path, terms.len(), unknowns.fitted.iter().map(|&r| &fits[r])),
@@ -115,6 +120,8 @@ pub(crate) fn report(
         records: fits,
         noise_model: noise_model(fit),
         remainder,
+        horizon,
+        held: freed.map_or(vec![], |freed| elasticities(freed, fit, &named)),
         covariance: with_scatter(bars.covariance(&numbers), &numbers, variance),
         warnings,
         verdict,

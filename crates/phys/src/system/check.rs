@@ -12,7 +12,7 @@ use crate::system::equations::System;
 use crate::system::plan::RecordPlan;
 use crate::system::requirement::Requirement;
 use crate::text::diagnostic::{Diagnostic, Severity, SourceId};
-use crate::text::spec::{DataSpec, LearnSpec, Spec, Text};
+use crate::text::spec::{ConstantSpec, DataSpec, Find, LearnSpec, Spec, Text};
 use crate::units::dimensions::dimensions;
 use checker::Checker;
 use std::sync::Arc;
@@ -36,6 +36,9 @@ pub struct Case {
     pub requirements: Vec<Requirement>,
     /// The system without the laws that were written out; `None` where none were.
     pub without_laws: Option<Arc<System>>,
+    /// The system with each constant that is held as one more parameter, after its own: with it a result tells
+    /// how it depends on them. `None` where nothing is held, or nothing is estimated.
+    pub with_constants: Option<Arc<System>>,
 }
 
 impl Case {
@@ -129,8 +132,37 @@ fn checked(
         searches: checker.searches,
         requirements: vec![],
         without_laws: None,
+        with_constants: with_constants(spec, source).filter(|_| measured).map(Arc::new),
     };
     Ok((case, diagnostics))
+}
+
+/// The system with its held constants as parameters.
+fn with_constants(spec: &Spec, source: SourceId) -> Option<System> {
+    let mut freed = spec.clone();
+    let of_records = |name: &Text| spec.data.iter().flat_map(DataSpec::constants).any(|(n, _)| n == name);
+    let mut held = vec![];
+    for (name, constant) in &mut freed.constants {
+        let ConstantSpec::Number { value, unit } = constant else { continue };
+        if value.value == 0.0 || of_records(name) {
+            continue;
+        }
+        held.push(name.value.clone());
+        *constant = ConstantSpec::Find(Find {
+            within: (value.clone(), value.clone()),
+            span: value.span,
+            start: value.clone(),
+            unit: unit.clone(),
+            sigma: None,
+            each: false,
+        });
+    }
+    let mut checker = Checker::new(source);
+    let mut system = checker.system(&freed);
+    let sound = !checker.diagnostics.iter().any(Diagnostic::is_error);
+    let estimated = !system.terms.is_empty() || system.parameters.len() > held.len();
+    system.parameters.sort_by_key(|p| held.contains(&p.name));
+    (sound && estimated && !held.is_empty()).then_some(system)
 }
 
 /// Plans every record of a spec.

@@ -2,7 +2,7 @@
 
 use crate::input::Input;
 use crate::table::short;
-use phisindy_learn::{Identified, SensorPart};
+use phisindy_learn::{Identified, Quantity, SensorPart};
 use phisindy_phys::spec::{ConstantSpec, DataSpec, Role};
 use phisindy_phys::unit::Unit;
 use serde::Serialize;
@@ -18,11 +18,25 @@ pub(crate) struct FixedValue {
     unit: String,
     /// The record that has this value; none if all records share it.
     record: Option<String>,
+    /// By how many per cent what was found moves if this is one per cent larger.
+    moves: Vec<Move>,
+}
+
+/// How a number that was found moves.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+struct Move {
+    of: String,
+    percent: f64,
 }
 
 /// All fixed numbers in the order of the spec: constants, constants of records, sensors.
 pub(crate) fn fixed_values(input: Input<'_>, found: &Identified) -> Vec<FixedValue> {
     let mut all = constants(input, found);
+    for held in &found.held {
+        let of = |(number, part): &(Quantity, f64)| Move { of: number.to_string(), percent: *part };
+        let told = all.iter_mut().filter(|h| h.name == held.name);
+        told.for_each(|h| h.moves = held.moves.iter().map(of).collect());
+    }
     let (spec, system, records) = (input.spec, &input.case.system, input.records);
     for (k, (name, _)) in system.record_constants.iter().enumerate() {
         let unit = |r: usize| {
@@ -84,7 +98,7 @@ fn constants(input: Input<'_>, found: &Identified) -> Vec<FixedValue> {
     let stands = |(name, constant): &(phisindy_phys::spec::Text, ConstantSpec)| {
         let name = name.value.clone();
         let value = value(&name, constant).filter(|_| !moved(&name))?;
-        Some(FixedValue { name, value, unit: unit_of(constant), record: None })
+        Some(FixedValue { name, value, unit: unit_of(constant), record: None, moves: vec![] })
     };
     input.spec.constants.iter().filter_map(stands).collect()
 }
@@ -100,7 +114,13 @@ fn of_records(
         (0..input.records.len()).filter(|&r| input.records[r].role == Role::Fit).collect();
     let entry = |&r: &usize| {
         let (value, unit) = value(r)?;
-        Some(FixedValue { name: name.to_owned(), value, unit, record: Some(input.records[r].name.clone()) })
+        Some(FixedValue {
+            name: name.to_owned(),
+            value,
+            unit,
+            record: Some(input.records[r].name.clone()),
+            moves: vec![],
+        })
     };
     let mut all: Vec<FixedValue> = fitted.iter().filter_map(entry).collect();
     let same = |h: &FixedValue| (h.value, &h.unit) == (all[0].value, &all[0].unit);
@@ -126,6 +146,24 @@ pub(crate) fn line(all: &[FixedValue]) -> Option<String> {
     let each: Vec<String> =
         words.iter().map(|(name, values)| format!("{name} = {}", values.join(" and "))).collect();
     (!each.is_empty()).then(|| format!("held: {}", each.join(", ")))
+}
+
+/// Most numbers beside each other in a table that can be read; JSON has them all.
+const BESIDE: usize = 8;
+
+/// A table of the constants on which something hangs: by how many per cent each number moves for one of the
+/// constant's.
+pub(crate) fn moves(all: &[FixedValue]) -> Vec<Vec<String>> {
+    let told: Vec<&FixedValue> = all.iter().filter(|h| !h.moves.is_empty()).collect();
+    let Some(first) = told.first().filter(|first| first.moves.len() <= BESIDE) else { return vec![] };
+    let heading = ["with 1 % more".to_owned()].into_iter();
+    let mut rows = vec![heading.chain(first.moves.iter().map(|m| m.of.clone())).collect::<Vec<String>>()];
+    let row = |h: &&FixedValue| -> Vec<String> {
+        let cells = h.moves.iter().map(|m| format!("{:+.2} %", m.percent));
+        [h.name.clone()].into_iter().chain(cells).collect()
+    };
+    rows.extend(told.iter().map(row));
+    rows
 }
 
 /// The stated unit of a constant.

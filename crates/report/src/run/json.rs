@@ -6,7 +6,7 @@ use super::contribution::{Contribution, contribution};
 use super::fixed::FixedValue;
 use super::report::RunReport;
 use crate::format::{method_name as method, role_name as role};
-use phisindy_learn::{Estimate, Remainder};
+use phisindy_learn::{Estimate, Horizon, Remainder};
 use phisindy_phys::System;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
@@ -20,6 +20,8 @@ struct Outcome<'a> {
     reason: Option<String>,
     /// The forces that are left.
     remainder: Vec<RemainderOut<'a>>,
+    /// The error of predictions against how far they look ahead.
+    horizon: Vec<HorizonOut<'a>>,
     /// The free runs that the verdict rests on.
     basis: String,
     equations: Vec<EquationOut<'a>>,
@@ -61,6 +63,23 @@ impl<'a> RemainderOut<'a> {
             of_motion: left.of_motion,
             strongest: left.strongest.into(),
         }
+    }
+}
+
+#[derive(Serialize)]
+struct HorizonOut<'a> {
+    record: &'a str,
+    column: &'a str,
+    seconds: f64,
+    nrmse: f64,
+    /// Of a linear model.
+    baseline: Option<f64>,
+}
+
+impl<'a> HorizonOut<'a> {
+    fn new(of: &'a Horizon) -> HorizonOut<'a> {
+        let Horizon { record, column, seconds, nrmse, baseline } = of;
+        HorizonOut { record, column, seconds: *seconds, nrmse: *nrmse, baseline: *baseline }
     }
 }
 
@@ -180,6 +199,7 @@ pub(crate) fn line(report: &RunReport<'_>) -> String {
         verdict: found.verdict.word(),
         reason: found.verdict.reason(),
         remainder: report.remainder().into_iter().map(RemainderOut::new(system)).collect(),
+        horizon: found.horizon.iter().map(HorizonOut::new).collect(),
         basis: report.basis(),
         equations: equations.collect(),
         parameters: parameters.collect(),

@@ -3,11 +3,13 @@
 use super::adapted;
 use super::contribution;
 use super::fixed;
+use super::horizon;
 use super::report::RunReport;
 use crate::equation::{Equation, names_of_records};
 use crate::format::{method_name as method, role_name as role};
 use crate::table::{aligned, interval, short};
 use phisindy_learn::{Estimate, Verdict, Warning};
+use phisindy_phys::spec::Role;
 
 /// Equations as LaTeX, all else as comments.
 pub(crate) fn latex(report: &RunReport<'_>) -> String {
@@ -53,6 +55,9 @@ fn details(report: &RunReport<'_>) -> Vec<String> {
     };
     lines.push(format!("{verdict} (method {}, {:.1} s)", method(found.method), report.ending.seconds));
     lines.push(report.basis());
+    let unseen = found.records.iter().filter(|r| r.role == Role::Validate);
+    let unseen: Vec<&str> = unseen.map(|r| r.name.as_str()).collect();
+    lines.extend(horizon::words(&found.horizon, &unseen));
     let mut section = |rows: Vec<Vec<String>>| {
         if rows.len() > 1 {
             lines.push(String::new());
@@ -64,6 +69,7 @@ fn details(report: &RunReport<'_>) -> Vec<String> {
     section(parameters(report));
     section(records(report));
     section(remainder(report));
+    section(fixed::moves(&report.fixed));
     let system = &report.input.case.system;
     lines.extend(found.records.iter().filter_map(|record| adapted::words(system, record)));
     lines.extend(fixed::line(&report.fixed));

@@ -1,5 +1,6 @@
 //! Constants, and whatever else is a number that may move.
 
+use super::group::Fields;
 use super::reader::Reader;
 use super::{ConstantSpec, FilterSpec, Find, Movable, Number, SensorSpec, SensorValue, Text};
 use crate::text::diagnostic::Diagnostic;
@@ -8,6 +9,9 @@ use crate::text::raw::{Node, Shape};
 /// How a constant may be written.
 const FORMS: &str = "a constant is 1.0, (1.0, \"kg\"), \"sqrt(k/m)\", (value: 1.0, unit: \"kg\", within: (0.5, 2.0)), \
                      Find(start: 1.0, unit: \"kg\", within: (0.5, 2.0)) or MaxAbs(\"F\")";
+
+/// Standard deviations of a belief beyond which nothing lies: a normal number is there once in 10^15.
+const BELIEVED: f64 = 8.0;
 
 impl Reader<'_> {
     /// A constant in any of its forms: what stands first tells which.
@@ -49,8 +53,8 @@ impl Reader<'_> {
             self.fields(node, "a movable constant", &["value", "unit", "within", "sigma", "each"])?;
         let value = self.required(&fields, "value", Self::number);
         let unit = self.optional(&fields, "unit", Self::unit);
-        let within = self.required(&fields, "within", Self::bounds);
         let sigma = self.optional(&fields, "sigma", Self::positive);
+        let within = self.bounds_or_belief(&fields, value.as_ref(), sigma.as_ref());
         let each = self.optional(&fields, "each", Self::truth).unwrap_or(false);
         let (value, within) = (value?, within?);
         self.inside(&value, &within);
@@ -62,12 +66,28 @@ impl Reader<'_> {
         let fields = self.fields(node, "`Find`", &["start", "unit", "within", "sigma", "each"])?;
         let start = self.required(&fields, "start", Self::number);
         let unit = self.optional(&fields, "unit", Self::unit);
-        let within = self.required(&fields, "within", Self::bounds);
         let sigma = self.optional(&fields, "sigma", Self::positive);
+        let within = self.bounds_or_belief(&fields, start.as_ref(), sigma.as_ref());
         let each = self.optional(&fields, "each", Self::truth).unwrap_or(false);
         let (start, within) = (start?, within?);
         self.inside(&start, &within);
         Some(Find { start, unit, within, sigma, each, span: node.span })
+    }
+
+    /// The bounds of a number; of one with a belief they may be left out, and stand so far out that no belief
+    /// reaches them.
+    fn bounds_or_belief(
+        &mut self,
+        fields: &Fields<'_, '_>,
+        centre: Option<&Number>,
+        sigma: Option<&Number>,
+    ) -> Option<(Number, Number)> {
+        let (None, Some(centre), Some(sigma)) = (fields.get("within"), centre, sigma) else {
+            return self.required(fields, "within", Self::bounds);
+        };
+        let at = |value: f64| Number { value, ..centre.clone() };
+        let reach = BELIEVED * sigma.value;
+        Some((at(centre.value - reach), at(centre.value + reach)))
     }
 
     fn inside(&mut self, value: &Number, within: &(Number, Number)) {
