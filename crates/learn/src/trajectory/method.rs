@@ -1,6 +1,6 @@
 //! Method `trajectory`: the event-located simulation fitted to the records, terms selected, error bars.
 
-use crate::decisions::{LEADING_RANKS, SELECTIONS, START_GAIN};
+use crate::decisions::{LEADING_RANKS, LIKELIHOOD_GAIN, SELECTIONS, START_GAIN};
 use crate::result::error::{LearnError, NumericsError};
 use crate::result::identified::{Identified, PathPoint, StopReason};
 use crate::result::quantity::TermId;
@@ -56,12 +56,31 @@ pub(crate) fn by_trajectory(
     let further = if auto { context.nearly_there(&fit) } else { None };
     let further = further.map(|(t, worse)| Warning::Further { term: TermId::new(system, t), worse });
     let stop_reason = if stopped { StopReason::Interrupted } else { StopReason::Finished };
-    let fit = context.with_random_force(context.past_side_minima(context.with_starts_at_rest(fit)));
+    let fit = from_regression(&context, context.with_starts_at_rest(fit), &regression);
+    let fit = context.with_random_force(context.past_side_minima(fit));
     let mut found = report(case, records, filled, &fit, path, stop_reason);
     found.warnings.extend(alternative.into_iter().chain(further));
     let singular = |&k: &usize| Warning::SingularCandidate { term: TermId::new(system, k) };
     found.warnings.extend(regression.singular.iter().map(singular));
     Ok(found)
+}
+
+/// The fit with a coefficient that its records hardly tell, or that of the same terms from the regression of
+/// all: where a cost has several minima the lowest counts, whichever start led there.
+fn from_regression<'a>(context: &Context<'a>, fit: Fit<'a>, regression: &Regression) -> Fit<'a> {
+    if fit.most_pieces() > 1 || !fit.is_blurred() {
+        return fit;
+    }
+    let terms = fit.problem.terms.clone();
+    let other = context.fresh_fit(&terms, &regression.solve(&terms));
+    let lower = |other: &Fit<'a>| {
+        let cost = fit.problem.cost(&other.x, &fit.weights);
+        other.pieces == fit.pieces && cost.is_ok_and(|cost| cost < fit.normal.cost - LIKELIHOOD_GAIN)
+    };
+    match other.filter(lower) {
+        Some(other) => other,
+        None => fit,
+    }
 }
 
 /// Another choice of terms that is nearly as good; `None` if the choices do not differ by one term.

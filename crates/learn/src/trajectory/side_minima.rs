@@ -28,7 +28,7 @@ impl<'a> Context<'a> {
         }
         for _ in 0..SIDE_ROUNDS {
             let bars = ErrorBars::new(&fit);
-            let blurred = |k: &usize| jumps || bars.error(*k) > BLURRED * fit.x[*k].abs();
+            let blurred = |k: &usize| jumps || fit.blurs(&bars, *k);
             let within = |k: usize, z: f64| z.clamp(fit.problem.bounds[k].0, fit.problem.bounds[k].1);
             let end = |k: usize, reach: f64| within(k, fit.x[k] + reach * HALF_WIDTH_95 * bars.error(k));
             let ends: Vec<(usize, f64)> = (0..fit.problem.terms.len())
@@ -49,6 +49,19 @@ impl<'a> Context<'a> {
             }
         }
         fit
+    }
+}
+
+impl Fit<'_> {
+    /// Whether a coefficient is hardly known.
+    fn blurs(&self, bars: &ErrorBars<'_>, k: usize) -> bool {
+        bars.error(k) > BLURRED * self.x[k].abs()
+    }
+
+    /// Whether one of its coefficients is.
+    pub(crate) fn is_blurred(&self) -> bool {
+        let bars = ErrorBars::new(self);
+        (0..self.problem.terms.len()).any(|k| self.blurs(&bars, k))
     }
 }
 

@@ -10,7 +10,7 @@ use crate::laws::Catalogue;
 use crate::loaded::{Laws, Loaded, NotWritten, checked};
 use phisindy_expr::Span;
 use phisindy_gap::requested_formulas;
-use phisindy_phys::spec::{ColumnSpec, CsvSpec, InputSpec, Role, Text};
+use phisindy_phys::spec::{ColumnSpec, CsvSpec, InputSpec, Number, Role, Text};
 use phisindy_phys::{
     Case, Diagnostic, Note, Origin, Record, RecordPlan, Severity, SourceId, Sources, Table, Units,
     link_continuations, overlaps, suspicions, unit::Unit,
@@ -385,10 +385,10 @@ impl<'r> Loader<'r> {
             return Err(Refusal::Input);
         }
         let units = Units::of(csv, &case.system);
-        let read = match table {
-            Some(table) => table.read(csv, &units, self.source, self.sources),
+        let path = match table {
+            Some(_) => None,
             None => match self.folders.find(&csv.path.value, self.source, csv.path.span) {
-                Ok(path) => folders::read(csv, &units, &path, self.source, self.sources),
+                Ok(path) => Some(path),
                 Err(Missing::Nowhere(mut d)) if purpose == Purpose::Check && !self.folders.given => {
                     d.severity = Severity::Warning;
                     self.push(d);
@@ -400,6 +400,18 @@ impl<'r> Loader<'r> {
                 }
             },
         };
+        let mut rows = |csv: &CsvSpec| match (table, &path) {
+            (Some(table), _) => table.read(csv, &units, self.source, self.sources),
+            (None, Some(path)) => folders::read(csv, &units, path, self.source, self.sources),
+            (None, None) => Ok(Default::default()),
+        };
+        let mut read = rows(csv);
+        let rescaled = read.as_ref().ok().and_then(|(table, _)| in_the_unit_of_time(csv, &units, table));
+        if let Some(rescaled) = &rescaled {
+            read = rows(rescaled);
+            self.push(told_unit(csv, rescaled, self.source));
+        }
+        let csv = rescaled.as_ref().unwrap_or(csv);
         let record = read.and_then(|(mut table, warnings)| {
             warnings.into_iter().chain(beyond_the_end(csv, &table, self.source)).for_each(|d| self.push(d));
             let done = self.trends.take_off(csv, &units, &mut table);
@@ -459,6 +471,34 @@ impl<'r> Loader<'r> {
             if numerics { Refusal::Numerics } else { Refusal::Input }
         })
     }
+}
+
+/// The record with its window in seconds, where it was written in the unit of the time: taken as seconds it
+/// would keep all rows or none, in that unit it keeps some.
+fn in_the_unit_of_time(csv: &CsvSpec, units: &Units, table: &Table) -> Option<CsvSpec> {
+    let ((first, last), (from, to)) = (table.extent?, csv.window.as_ref()?);
+    let cuts = |factor: f64| {
+        let (from, to) = (factor * from.value, factor * to.value);
+        from < last && to > first && (from > first || to < last)
+    };
+    let factor = units.time.factor;
+    (factor != 1.0 && !cuts(1.0) && cuts(factor)).then(|| {
+        let seconds = |at: &Number| Number { value: at.value * factor, ..at.clone() };
+        CsvSpec { window: Some((seconds(from), seconds(to))), ..csv.clone() }
+    })
+}
+
+fn told_unit(csv: &CsvSpec, taken: &CsvSpec, source: SourceId) -> Diagnostic {
+    let window = |of: &CsvSpec| of.window.as_ref().map_or((0.0, 0.0), |(a, b)| (a.value, b.value));
+    let ((a, b), (from, to)) = (window(csv), window(taken));
+    let unit = csv.time.unit.as_ref().map_or("", |u| u.value.as_str());
+    let span = csv.window.as_ref().map_or(csv.span, |(a, b)| a.span.to(b.span));
+    Diagnostic::warning(format!(
+        "the window of `{}` is taken in {unit}, as its time is: {a} to {b} {unit} are {from} to {to} s",
+        csv.path.value
+    ))
+    .at(source, span, "would keep all rows or none, in seconds")
+    .help(format!("a window is in seconds: write ({from:?}, {to:?})"))
 }
 
 /// A warning where a window goes on after its file has ended: the file may have been longer.

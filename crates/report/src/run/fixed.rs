@@ -154,7 +154,8 @@ const BESIDE: usize = 8;
 /// A table of the constants on which something hangs: by how many per cent each number moves for one of the
 /// constant's.
 pub(crate) fn moves(all: &[FixedValue]) -> Vec<Vec<String>> {
-    let told: Vec<&FixedValue> = all.iter().filter(|h| !h.moves.is_empty()).collect();
+    let hangs = |h: &&FixedValue| h.moves.iter().any(|m| m.percent.abs() >= 0.005);
+    let told: Vec<&FixedValue> = all.iter().filter(hangs).collect();
     let Some(first) = told.first().filter(|first| first.moves.len() <= BESIDE) else { return vec![] };
     let heading = ["with 1 % more".to_owned()].into_iter();
     let mut rows = vec![heading.chain(first.moves.iter().map(|m| m.of.clone())).collect::<Vec<String>>()];
