@@ -303,6 +303,10 @@ decisions! {
     SAYS_NOTHING: f64 = 1e-12, "of the column", Basis::Judgement("from nano to kilo: no two units in use are further apart");
     /// A column with a larger standard deviation moves.
     MOVES: f64 = 10.0, "of the noise", Basis::Judgement("ten times the noise is a motion");
+    /// Bumps over the range of a speed or a displacement, where a force has no form.
+    NONE_BUMPS: usize = 9, "bumps", Basis::Judgement("a friction curve has three to five features between its ends");
+    /// Sizes of such a force between the least that is seen and the whole force on the body.
+    NONE_SIZES: usize = 13, "sizes", Basis::Judgement("three to four in a decade; the average changes little with more");
     /// Two curves with a larger correlation have the same shape.
     ONE_SHAPE: f64 = 0.95, "correlation", BLIND;
     /// A column with a smaller correlation does not follow its own model.

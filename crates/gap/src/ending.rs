@@ -10,6 +10,7 @@ use crate::input_interpolation::{Redrawn, coarse_inputs, redrawn};
 use crate::model::{
     Applied, ColumnError, Fitted, Measure, TrialModel, current, expression, text_with, values,
 };
+use crate::none_of_these::probability as probability_of_none;
 use crate::other_causes::{causes, input_noise};
 use crate::plausibility::{cancelling, vetoed};
 use crate::result::verdict::{bent, helpful, refused, status};
@@ -108,10 +109,12 @@ impl<'s, 'a> Ending<'s, 'a> {
         self.warnings.extend(at_bounds(&self.last.cal.parameters).into_iter().map(Warning::Fit));
         self.warnings.extend(sensitive_starts(&self.last.cal.records).into_iter().map(Warning::Fit));
         let steps: Vec<Step> = (0..self.last.model.effects.len()).map(|k| self.step(k)).collect();
-        // No result claims more than its own probability.
+        // No result claims more than its own probability, and a formula no more than that of a force without one.
         let unlikely = |s: &Step| s.probability.is_some_and(|p| p < 0.5);
+        let none = if self.interrupted() { None } else { probability_of_none(&self.last, &self.noise) };
         let status = match status {
             Status::Explained if steps.iter().any(unlikely) => Status::Undetermined,
+            Status::Described if none.is_some_and(|p| p > 0.5) => Status::Undetermined,
             other => other,
         };
         let (mut steps, mut partial) =
@@ -142,6 +145,7 @@ impl<'s, 'a> Ending<'s, 'a> {
             status,
             stop,
             noise: column_noise(&base, &noise),
+            none,
             located: located(&base, &noise),
             left: located(&last, &noise),
             steps,

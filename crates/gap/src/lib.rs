@@ -26,6 +26,7 @@ mod input_interpolation;
 mod memory;
 mod model;
 mod motion;
+mod none_of_these;
 mod other_causes;
 mod place;
 mod plausibility;

@@ -196,6 +196,9 @@ pub struct Gap {
     pub located: Vec<Region>,
     /// Where the final model misses.
     pub left: Vec<Region>,
+    /// The probability that a force of the motion without a form is there beside or in place of what was found;
+    /// `None` where no force was found, or none was looked for.
+    pub none: Option<f64>,
     /// The effects that were added, in order.
     pub steps: Vec<Step>,
     /// Effects that helped a little before the search gave up.

@@ -52,6 +52,11 @@ impl Kinematics {
         self.rests.iter().flatten().any(|r| *r)
     }
 
+    /// The rate that unit force gives the first body, by record and sample.
+    pub(crate) fn units(&self) -> impl Iterator<Item = &[f64]> {
+        self.unit.iter().filter_map(|of| of.first().map(Vec::as_slice))
+    }
+
     pub(crate) fn has_displacement(&self) -> bool {
         self.displacement.iter().all(|x| !x.is_empty())
     }

@@ -22,6 +22,8 @@ struct Outcome<'a> {
     missing_force: Option<MissingForceOut<'a>>,
     /// Standard deviation of the noise of each column, SI.
     noise: BTreeMap<&'a str, f64>,
+    /// The probability of a force without a form beside or in place of what was found.
+    none: Option<f64>,
     not_tried: Vec<NotTriedOut<'a>>,
     parameters: Vec<ParameterOut<'a>>,
     partial: Vec<StepOut<'a>>,
@@ -216,6 +218,7 @@ fn outcome<'a>(report: &GapReport<'a>) -> Outcome<'a> {
         left: found.left.iter().map(region).collect(),
         missing_force: found.force.as_ref().map(missing_force),
         noise: found.noise.iter().map(|(name, sigma)| (name.as_str(), *sigma)).collect(),
+        none: found.none,
         not_tried: found
             .not_tried
             .iter()

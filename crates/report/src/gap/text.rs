@@ -13,6 +13,9 @@ use phisindy_phys::spec::Role;
 /// Length of the bars, in characters.
 const BAR: usize = 24;
 
+/// A probability below is not told in words: what it is against holds by the convention of 95 %.
+const TOLD: f64 = 0.05;
+
 /// The text: first a bar for each step, then the steps with their numbers, then the outcome.
 pub(crate) fn text(report: &GapReport<'_>) -> String {
     let GapReport { gap: found, catalogue, ending: how, .. } = *report;
@@ -56,6 +59,9 @@ pub(crate) fn text(report: &GapReport<'_>) -> String {
         }
     }
     out.extend(moved(found));
+    out.extend(found.none.filter(|p| *p > TOLD).map(|p| {
+        format!("none of these: a force of the motion in another form is there with probability {p:.2}")
+    }));
     out.push(tried(found));
     // Several rounds may rule out the same law; it is listed once.
     let steps = found.steps.iter().chain(&found.partial);

@@ -1,0 +1,125 @@
+//! None of these: the final model beside a force of the motion that has no form.
+//!
+//! The force is a Gaussian process about the laws that were found: bumps over the velocity of a place, over its
+//! displacement and velocity, and a jump at rest, each with a coefficient `N(0, s^2)`. Along the linear responses
+//! `Phi`, with free constants and start states projected out, its evidence against the laws alone is
+//!
+//! `ln Z_0/Z = 1/2 y' Phi (Phi' Phi + s^-2)^-1 Phi' y - 1/2 ln det(1 + s^2 Phi' Phi)`
+//!
+//! (C. E. Rasmussen and C. K. I. Williams, Gaussian Processes for Machine Learning, 2006, eq. 2.30), averaged over
+//! sizes `s` between what the records can see and the whole force on the body, each as likely beforehand. So a law
+//! that is right pays the process nothing, and one that is only near to what is there loses to it.
+
+use crate::decisions::{NONE_BUMPS, NONE_SIZES};
+use crate::model::Fitted;
+use crate::place::{Place, Site};
+use crate::screen::{Kinematics, PartialRegression, dot};
+use faer::{Mat, Side};
+use phisindy_phys::spec::Role;
+
+/// The probability that the missing force is none of the laws of a model; `None` where it has no force, or the
+/// records show none.
+pub(crate) fn probability(last: &Fitted, noise: &[Vec<f64>]) -> Option<f64> {
+    let mut places: Vec<&Place> = last.model.effects.iter().map(|a| &a.effect.place).collect();
+    places.retain(|place| matches!(place.site, Site::Force { .. }));
+    places.dedup_by(|a, b| a.at == b.at);
+    let noise = last.noise(noise);
+    let regression = PartialRegression::new(&last.model, &last.cal, Some(&last.cal), &noise)?;
+    let odds: Vec<f64> = places.into_iter().flat_map(|place| at(last, &regression, place)).collect();
+    let mean = odds.iter().sum::<f64>() / odds.len() as f64;
+    (!odds.is_empty() && !mean.is_nan()).then(|| if mean.is_finite() { mean / (1.0 + mean) } else { 1.0 })
+}
+
+/// `Z_0/Z` of the kernels at a place.
+fn at(last: &Fitted, regression: &PartialRegression, place: &Place) -> Vec<f64> {
+    let system = &last.model.system;
+    let places = last.model.places();
+    let place = places.iter().find(|p| p.at == place.at).unwrap_or(place);
+    let Some(kinematics) = regression.kinematics(system, place) else { return vec![] };
+    let Some(whole) = whole_force(last, &kinematics, place) else { return vec![] };
+    let over_speed = speeds(&kinematics);
+    let over_both = if kinematics.has_displacement() { both(&kinematics) } else { vec![] };
+    let kernels = [over_speed, over_both].into_iter().filter(|bumps| !bumps.is_empty());
+    kernels.filter_map(|bumps| odds(regression, &kinematics, &bumps, whole)).collect()
+}
+
+/// A force at each sample, by record.
+type Force = Vec<Vec<f64>>;
+
+/// Bumps over a range, so wide that neighbours meet half-way up.
+fn bumps(values: &[Vec<f64>]) -> Vec<Force> {
+    let all = || values.iter().flatten().copied();
+    let (low, high) = (all().fold(f64::INFINITY, f64::min), all().fold(f64::NEG_INFINITY, f64::max));
+    let step = (high - low) / (NONE_BUMPS - 1) as f64;
+    if step.is_nan() || step <= 0.0 {
+        return vec![];
+    }
+    let bump = |k: usize| {
+        let centre = low + step * k as f64;
+        values.iter().map(|of| of.iter().map(|v| (-((v - centre) / step).powi(2)).exp()).collect()).collect()
+    };
+    (0..NONE_BUMPS).map(bump).collect()
+}
+
+/// Bumps over the velocity, and its sign.
+fn speeds(at: &Kinematics) -> Vec<Force> {
+    let mut all = bumps(&at.velocity);
+    all.push(
+        at.velocity
+            .iter()
+            .map(|v| v.iter().map(|v| if *v == 0.0 { 0.0 } else { v.signum() }).collect())
+            .collect(),
+    );
+    all
+}
+
+/// Bumps over displacement and velocity.
+fn both(at: &Kinematics) -> Vec<Force> {
+    let (places, speeds) = (bumps(&at.displacement), bumps(&at.velocity));
+    let product = |a: &Force, b: &Force| -> Force {
+        a.iter().zip(b).map(|(a, b)| a.iter().zip(b).map(|(a, b)| a * b).collect()).collect()
+    };
+    places.iter().flat_map(|a| speeds.iter().map(move |b| product(a, b))).collect()
+}
+
+/// The root mean square of the force on the body of a place: the rate of its speed times its inertia.
+fn whole_force(last: &Fitted, at: &Kinematics, place: &Place) -> Option<f64> {
+    let Site::Force { acts, .. } = &place.site else { return None };
+    let &(state, _) = acts.first()?;
+    let fitted = last.model.records.iter().zip(&last.cal.records).filter(|(r, _)| r.role == Role::Fit);
+    let (mut sum, mut count) = (0.0, 0);
+    for ((_, of), unit) in fitted.zip(at.units()) {
+        let run = of.run.as_ref()?;
+        let rates = (0..run.samples()).map(|i| run.rates[i * run.n + state]);
+        sum += rates.zip(unit).map(|(rate, unit)| (rate / unit).powi(2)).sum::<f64>();
+        count += run.samples();
+    }
+    let rms = (sum / f64::from(u32::try_from(count).ok()?)).sqrt();
+    (rms.is_finite() && rms > 0.0).then_some(rms)
+}
+
+/// `Z_0/Z`, averaged over the sizes of the force.
+fn odds(regression: &PartialRegression, at: &Kinematics, bumps: &[Force], whole: f64) -> Option<f64> {
+    let responses: Vec<Vec<f64>> =
+        bumps.iter().filter_map(|force| Some(regression.response(at, force, at.rested())?.rows)).collect();
+    let (m, y) = (responses.len(), regression.target());
+    let gram = Mat::from_fn(m, m, |i, j| dot(&responses[i], &responses[j]));
+    let eigen = gram.self_adjoint_eigen(Side::Lower).ok()?;
+    let seen: Vec<f64> = responses.iter().map(|r| dot(r, y)).collect();
+    // Along each direction: what the records see of it, and what they say.
+    let directions: Vec<(f64, f64)> = (0..m)
+        .map(|k| (eigen.S()[k].max(0.0), (0..m).map(|i| eigen.U()[(i, k)] * seen[i]).sum::<f64>()))
+        .collect();
+    let most = directions.iter().map(|d| d.0).fold(0.0, f64::max);
+    if m == 0 || most <= 0.0 {
+        return None;
+    }
+    let least = most.sqrt().recip().min(whole);
+    let evidence = |s: f64| {
+        let of =
+            |&(seen, said): &(f64, f64)| s * s * said * said / (1.0 + s * s * seen) - (s * s * seen).ln_1p();
+        0.5 * directions.iter().map(of).sum::<f64>()
+    };
+    let size = |k: usize| least * (whole / least).powf(k as f64 / (NONE_SIZES - 1) as f64);
+    Some((0..NONE_SIZES).map(|k| evidence(size(k)).exp()).sum::<f64>() / NONE_SIZES as f64)
+}
