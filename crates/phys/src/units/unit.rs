@@ -176,9 +176,8 @@ impl<'t> Parser<'t> {
     fn name(&mut self) -> Result<Unit, UnitError> {
         let start = self.at;
         let rest = self.rest();
-        let ends = |c: char| {
-            !(c.is_alphanumeric() || matches!(c, '%' | '°' | '_' | '.')) || RAISED.contains(&c)
-        };
+        let ends =
+            |c: char| !(c.is_alphanumeric() || matches!(c, '%' | '°' | '_' | '.')) || RAISED.contains(&c);
         let name = &rest[..rest.find(ends).unwrap_or(rest.len())];
         self.at += name.len();
         self.space();
@@ -213,7 +212,8 @@ impl<'t> Parser<'t> {
         let rest = self.rest();
         let end = rest.find(|c| !RAISED.contains(&c)).unwrap_or(rest.len());
         let digit = |c| RAISED.iter().position(|r| *r == c);
-        let plain: String = rest[..end].chars().filter_map(digit).filter_map(|k| "0123456789-".chars().nth(k)).collect();
+        let plain: String =
+            rest[..end].chars().filter_map(digit).filter_map(|k| "0123456789-".chars().nth(k)).collect();
         let power = plain.parse::<i8>().ok()?;
         self.at += end;
         self.space();
