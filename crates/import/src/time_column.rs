@@ -344,7 +344,9 @@ impl TimeColumn {
             column.heading = column.heading.clone().with_unit(&unit);
             return self;
         }
-        let unit = stated.or_else(|| plausible_unit(self.step, &column.values));
+        // Half a day between two rows is half a second.
+        let seconds = || Some("s").filter(|_| implausible && self.step < 1.0);
+        let unit = stated.or_else(|| plausible_unit(self.step, &column.values)).or_else(seconds);
         let guessed = stated.is_none() && unit.is_some();
         if let Some(unit) = unit {
             column.heading = Heading { unit: None, ..column.heading.clone() }.with_unit(unit);

@@ -192,10 +192,7 @@ mod tests {
         let dialect = Dialect { separator: Some(','), decimal: None };
         let line = "#µ# Columns: t, x";
         let found = heading(&dialect, 2, &comments(&[line])).expect("a heading");
-        assert_eq!(
-            found.fields.iter().map(|f| &line[f.clone()]).collect::<Vec<_>>(),
-            ["#µ# Columns: t", "x"]
-        );
+        assert_eq!(found.fields.iter().map(|f| &line[f.clone()]).collect::<Vec<_>>(), ["µ# Columns: t", "x"]);
         let line = "# Columns: t, x";
         let found = heading(&dialect, 2, &comments(&[line])).expect("a heading");
         assert_eq!(found.fields.iter().map(|f| &line[f.clone()]).collect::<Vec<_>>(), ["t", "x"]);
