@@ -272,9 +272,9 @@ fn a_column_without_a_heading_is_called_by_its_number() {
 
 #[test]
 fn one_column_is_a_motion_without_times() {
-    let file = table("ACC_Z [g]", 400, |_, t| format!("{:.4}", (9.0 * t).sin()));
+    let file = table("# fs = 100 Hz\nACC_Z [g]", 400, |_, t| format!("{:.4}", (9.0 * t).sin()));
     let (_, text, _) = made("one", file.as_bytes());
-    holds(&text, &["time: Rate(100.0)", "(\"ACC_Z [g]\", \"gn\")", "how many rows per second"]);
+    holds(&text, &["time: Rate(100.0)", "(\"ACC_Z [g]\", \"gn\")", "// as the header of the file says"]);
 }
 
 #[test]
@@ -330,9 +330,17 @@ fn lines_before_the_heading_are_skipped() {
 fn a_file_without_time_asks_for_its_rate() {
     let file =
         table("x_mm;F [N]", 400, |_, t| format!("{:.4};{:.3}", 10.0 * (9.0 * t).cos(), (2.0 * t).sin()));
-    let (scratch, text, _) = made("no_time", file.as_bytes());
-    holds(&text, &["time: Rate(100.0)", "EDIT: no column is time: how many rows per second?"]);
-    checked(&scratch, &text);
+    let scratch = Scratch::new("no_time");
+    let (data, spec) = (scratch.path("rig.csv"), scratch.path("rig.ron"));
+    std::fs::write(&data, file).expect("a file");
+    for command in ["new", "go"] {
+        let said = phisindy(&[command, &data, "--out", &spec]);
+        assert_eq!((said.code, said.out.as_str()), (2, ""), "{}", said.err);
+        holds(&said.err, &["no column is time. How many rows are there in a second?", "--rate 1000Hz"]);
+        assert!(!std::path::Path::new(&spec).exists(), "nothing is invented");
+    }
+    assert_eq!(phisindy(&["new", &data, "--out", &spec, "--rate", "0.1kHz"]).code, 0);
+    checked(&scratch, &std::fs::read_to_string(&spec).expect("a spec"));
     // Twice the rate is half the time.
     let check = phisindy(&[
         "check",
@@ -408,7 +416,7 @@ fn bad_files_are_refused_with_the_place_and_what_to_do() {
     let cases: &[(&str, Vec<u8>, &[&str])] = &[
         ("empty", vec![], &["is empty", "heading"]),
         ("comments", b"# nothing\n".to_vec(), &["is empty"]),
-        ("column", table("x", 50, |_, t| format!("{t}")).into(), &["no column of motion"]),
+        ("column", table("t", 50, |_, t| format!("{t}")).into(), &["no column of motion"]),
         ("words", table("a,b", 50, |_, _| "one,two".into()).into(), &["holds no numbers"]),
         ("few", b"t,x\n0,1\n1,2\n".to_vec(), &["2 rows", "at least 20"]),
         (
@@ -763,4 +771,290 @@ fn go_leads_from_a_data_file_to_a_report() {
     assert!(again.code == 0 && !again.err.contains("no data file"), "{}", again.err);
     let second = phisindy(&["go", &data, "--out", &out, "--limit", "3min"]);
     assert!(second.err.contains("is used as it is"), "{}", second.err);
+}
+
+/// A slider on a spring as in other tests, with a force that moves it: times, places, forces.
+fn driven(samples: usize) -> Vec<(f64, f64, f64)> {
+    let force = |t: f64| 5.0 * (7.0 * t).sin() + 4.0 * (15.0 * t + 1.0).sin();
+    let motion = |t: f64| 8e-3 * (7.0 * t - 0.2).sin() + 12e-3 * (15.0 * t + 0.1).sin();
+    (0..samples).map(|k| 0.004 * k as f64).map(|t| (t, motion(t), force(t))).collect()
+}
+
+/// A file with this beginning, and a row for each sample of [`driven`].
+fn rig(head: &str, row: impl Fn(usize, f64, f64, f64) -> String) -> String {
+    let rows = driven(900).into_iter().enumerate();
+    let rows = rows.map(|(k, (t, x, f))| row(k, t, 1e3 * x + noise(k, 0.01), f) + "\n");
+    head.to_owned() + &rows.collect::<String>()
+}
+
+#[test]
+fn a_heading_behind_a_comment_sign_is_read() {
+    let plain = |_: usize, t: f64, x: f64, f: f64| format!("{t:.4},{x:.5},{f:.4}");
+    let blanks = |_: usize, t: f64, x: f64, f: f64| format!("{t:.4} {x:.5} {f:.4}");
+    let german = |_: usize, t: f64, x: f64, f: f64| format!("{t:.4};{x:.5};{f:.4}").replace('.', ",");
+    let files = [
+        (rig("# time_s,x_mm,F_N\n", plain), ["time_s", "x_mm", "F_N"]),
+        (rig("# slider, run 3\n# t,x,F\n# s,mm,N\n", plain), ["t", "x", "F"]),
+        (rig("t,x,F\n# s,mm,N\n", plain), ["t", "x", "F"]),
+        (rig("# time_s x_mm F_N\n", blanks), ["time_s", "x_mm", "F_N"]),
+        (rig("# t [s], x [mm], F [N]\n", blanks), ["t [s]", "x [mm]", "F [N]"]),
+        (rig("## time_s\tx_mm\tF_N\n", blanks), ["time_s", "x_mm", "F_N"]),
+        (rig("t_s, x_mm, F_N\n", blanks), ["t_s", "x_mm", "F_N"]),
+        (rig("! time_s  x_mm  F_N\n", blanks), ["time_s", "x_mm", "F_N"]),
+        (rig("#Fields: time_s x_mm F_N\n", blanks), ["time_s", "x_mm", "F_N"]),
+        (
+            rig("// Schlitten, Lauf 3\n// Zeit [s];Weg [mm];Kraft [N]\n", german),
+            ["Zeit [s]", "Weg [mm]", "Kraft [N]"],
+        ),
+        (rig("; t_s, x_mm, F_N\n", plain), ["t_s", "x_mm", "F_N"]),
+        (rig("% Zeit;Weg;Kraft\n% sec;mm;N\n", german), ["Zeit", "Weg", "Kraft"]),
+    ];
+    for (k, (file, [time, x, force])) in files.iter().enumerate() {
+        let (scratch, text, said) = made(&format!("commented{k}"), file.as_bytes());
+        holds(&said.err, &[&format!("taken for time `{time}`, motion `{x}`, force `{force}`")]);
+        holds(
+            &text,
+            &[
+                &format!(
+                    "time: (\"{time}\", \"s\"), columns: {{ \"x\": (\"{x}\", \"mm\"), \
+                     \"F\": (\"{force}\", \"N\") }}"
+                ),
+                "\"m\": (value:",
+            ],
+        );
+        assert!(!text.contains("header: false"), "{text}");
+        checked(&scratch, &text);
+    }
+    // A sentence is no heading; columns keep their numbers.
+    let (scratch, text, said) =
+        made("sentence", rig("# of Monday, slider 7\n# rig seven again\n", blanks).as_bytes());
+    holds(&text, &["time: \"1\"", "header: false"]);
+    holds(&said.err, &["question: no heading says what `2`, `3` are"]);
+    checked(&scratch, &text);
+    // A spec that calls the columns by their numbers reads them as before.
+    std::fs::write(scratch.path("rig.csv"), &files[0].0).expect("a file");
+    let numbered =
+        text.replace("header: false,", "").replace("separator: ' ', ", "").replace("separator: ' '", "");
+    std::fs::write(scratch.path("rig.ron"), numbered.replace("\n            \n", "\n")).expect("a spec");
+    let said = phisindy(&["check", &scratch.path("rig.ron")]);
+    assert_eq!(said.code, 0, "{}{numbered}", said.err);
+}
+
+#[test]
+fn the_rate_stands_in_the_header() {
+    let two = |_: usize, _: f64, x: f64, f: f64| format!("{x:.5};{f:.4}");
+    let comma = |k: usize, t: f64, x: f64, f: f64| two(k, t, x, f).replace('.', ",");
+    for (k, file) in [
+        rig("# fs = 250 Hz\nx_mm;F_N\n", two),
+        rig("# Sampling rate: 0.25 kHz\n# x_mm;F_N\n", two),
+        rig("% dt = 0.004 s\nx_mm;F_N\n", two),
+        rig("Abtastrate;250,0;Hz\nKanal;1;2\nx;F\nmm;N\n", comma),
+        rig("Prüfstand 7\nAbtastintervall: 4 ms\nx_mm;F_N\n", comma),
+        rig("x_mm;F_N;Ts\n", |k, t, x, f| {
+            format!("{};{}", two(k, t, x, f), if k == 0 { "0.004" } else { "" })
+        }),
+    ]
+    .iter()
+    .enumerate()
+    {
+        let (scratch, text, said) = made(&format!("rated{k}"), file.as_bytes());
+        holds(
+            &said.err,
+            &["900 rows, 3.596 s at 250 Hz", "note: no column is time: 250 rows per second, as line"],
+        );
+        holds(&text, &["time: Rate(250.0)", "// as the header of the file says"]);
+        assert!(!text.contains("QUESTION"), "{text}");
+        checked(&scratch, &text);
+    }
+    let scratch = Scratch::new("rates-differ");
+    let data = scratch.path("rig.csv");
+    std::fs::write(&data, rig("# fs = 500 Hz\n# dt = 4 ms\nx_mm;F_N\n", two)).expect("a file");
+    let said = phisindy(&["new", &data]);
+    assert_eq!(said.code, 2);
+    holds(
+        &said.err,
+        &["contradicts itself on the rate", "line 1 says `# fs = 500 Hz`", "line 2 says `# dt = 4 ms`"],
+    );
+    // An index is no time.
+    std::fs::write(&data, rig("index;x_mm;F_N\n", |k, t, x, f| format!("{k};{}", two(k, t, x, f))))
+        .expect("a file");
+    let said = phisindy(&["new", &data]);
+    assert_eq!(said.code, 2);
+    holds(&said.err, &["`index` counts the rows. How many are there in a second?"]);
+    // The header tells the unit of times.
+    let timed =
+        rig("# fs = 250 Hz\ntime;x_mm;F_N\n", |k, t, x, f| format!("{:.0};{}", 1e6 * t, two(k, t, x, f)));
+    let (_, text, _) = made("rated-time", timed.as_bytes());
+    holds(&text, &["time: (\"time\", \"us\")"]);
+    assert!(!text.contains("the unit of time is a guess"), "{text}");
+    let timed = rig("# fs = 2 kHz\ntime_s;x_mm;F_N\n", |k, t, x, f| format!("{t:.4};{}", two(k, t, x, f)));
+    let (_, text, _) = made("rated-otherwise", timed.as_bytes());
+    holds(&text, &["EDIT: the times make 250.0000 rows per second, and line 1 says 2000: `# fs = 2 kHz`"]);
+}
+
+#[test]
+fn the_unit_of_times_is_seen_by_name_and_by_size() {
+    let row = |time: String, x: f64, f: f64| format!("{time},{x:.5},{f:.4}");
+    for (heading, time, unit) in [
+        ("timestamp_us", (8e9, 1e6), "us"),
+        ("micros", (5e6, 1e6), "us"),
+        ("t (\u{3bc}sec)", (0.0, 1e6), "us"),
+        ("timestamp", (1.7e12, 1e3), "ms"),
+        ("timestamp", (1.7e15, 1e6), "us"),
+        ("stamp", (1.7e18, 1e9), "ns"),
+        ("time", (0.0, 1e9), "ns"),
+        ("seconds_elapsed", (3.0, 1.0), "s"),
+    ] {
+        let file = rig(&format!("{heading},x_mm,F_N\n"), |k, _, x, f| {
+            let digits = if time.1 == 1.0 { 4 } else { 0 };
+            row(format!("{:.digits$}", time.0 + 0.004 * k as f64 * time.1), x, f)
+        });
+        let (scratch, text, said) = made(&format!("stamped-{unit}-{}", heading.len()), file.as_bytes());
+        holds(&said.err, &["3.596 s at 250 Hz"]);
+        holds(&text, &[&format!("time: (\"{heading}\", \"{unit}\")")]);
+        checked(&scratch, &text);
+    }
+    // Steps of more than an hour are no record of a motion, whatever the heading says: it is asked.
+    let file = rig("time_s,x_mm,F_N\n", |_, t, x, f| row(format!("{:.0}", 1e6 * t), x, f));
+    let (scratch, text, said) = made("years", file.as_bytes());
+    holds(
+        &said.err,
+        &["question: the heading `time_s` says s, and steps of 4000 s make no record", "is it us?"],
+    );
+    assert!(text.starts_with("// QUESTION: the heading `time_s`"), "{text}");
+    let data = scratch.path("rig.csv");
+    let go = phisindy(&["go", &data, "--out", &scratch.path("found")]);
+    assert_eq!(go.code, 2, "{}", go.err);
+    holds(&go.err, &["is it us?", "--time-unit us"]);
+    assert!(!std::path::Path::new(&scratch.path("found")).exists(), "nothing is searched");
+    let told = phisindy(&["new", &data, "--time-unit", "us"]);
+    assert!(
+        told.out.contains("time: (\"time_s\", \"us\")") && !told.out.contains("QUESTION"),
+        "{}",
+        told.out
+    );
+}
+
+#[test]
+fn counts_are_asked_for_and_never_a_length() {
+    let file =
+        |head: &str| rig(head, |_, t, x, f| format!("{:.0},{:.0},{f:.3}", 1e6 * t, 32_000.0 + 4e3 * x));
+    for (k, head) in [
+        "timestamp_us,enc_cnt,i_A\n",
+        "t_us,motor_ticks,voltage\n",
+        "Zeit,Geber,Strom\n[us],[Inkr],[A]\n",
+        "micros,encoder,pwm\n",
+        "micros,pos,u\n",
+    ]
+    .iter()
+    .enumerate()
+    {
+        let (scratch, text, said) = made(&format!("counts{k}"), file(head).as_bytes());
+        holds(
+            &said.err,
+            &["question: `", "how many counts are a turn or a millimetre?", "--counts 4096/rev", ", drive `"],
+        );
+        holds(&text, &["\"x\": \"count\", \"v\": \"count/s\"", "\"us\")"]);
+        assert!(text.starts_with("// QUESTION: "), "{text}");
+        checked(&scratch, &text);
+        let data = scratch.path("rig.csv");
+        let go = phisindy(&["go", &data, "--out", &scratch.path("found")]);
+        assert_eq!(go.code, 2, "{}", go.err);
+        holds(&go.err, &["how many counts"]);
+        let spec = scratch.path("rig.ron");
+        for (counts, parts) in [
+            ("4096/rev", ["\"rev/4096\")", "\"theta\": \"rad\""]),
+            ("200/mm", ["\"mm/200\")", "\"x\": \"m\""]),
+        ] {
+            let told = phisindy(&["new", &data, "--counts", counts, "--out", &spec, "--force"]);
+            assert_eq!(told.code, 0, "{}", told.err);
+            let text = std::fs::read_to_string(&spec).expect("a spec");
+            holds(&text, &parts);
+            assert!(!text.contains("QUESTION") && !told.err.contains("question"), "{text}");
+            checked(&scratch, &text);
+        }
+        for wrong in ["4096", "0/rev", "4096/kg", "x/rev"] {
+            let said = phisindy(&["new", &data, "--counts", wrong]);
+            assert_eq!(said.code, 2, "{wrong}");
+            holds(&said.err, &["how many counts are a turn or a length"]);
+        }
+        // A count is no radian.
+        std::fs::write(
+            &spec,
+            text.replace("count/s", "rad/s")
+                .replace("\"v\": \"count", "\"v\": \"rad")
+                .replace("\"x\": \"count\"", "\"x\": \"rad\"")
+                .replace("\"count\")", "\"rad\")"),
+        )
+        .expect("a spec");
+        let check = phisindy(&["check", &spec]);
+        assert!(k > 2 || check.err.contains("says counts"), "{}", check.err);
+    }
+}
+
+/// Whatever is in counts, the draft is a spec.
+#[test]
+fn counts_of_all_kinds_are_drafted() {
+    for (k, (head, unit, counts)) in [
+        ("t_s,vel [counts/s],i_A", "count/s", "4096/rev"),
+        ("t_s,acc [LSB],F_N", "count", "16384/gn"),
+        ("t_s,enc_cnt,F_N", "count", "4096/rev"),
+        ("t_s,base_cnt,enc_cnt", "count", "200/mm"),
+        ("t_s,enc_cnt,load_cnt", "count", "200/mm"),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let file = rig(&format!("{head}\n"), |_, t, x, f| format!("{t:.4},{:.0},{:.0}", 4e3 * x, 1e3 * f));
+        let (scratch, text, said) = made(&format!("counted{k}"), file.as_bytes());
+        holds(&said.err, &["question: `", "counts: how many counts are"]);
+        holds(&text, &[&format!("\"{unit}\")")]);
+        checked(&scratch, &text);
+        let (data, spec) = (scratch.path("rig.csv"), scratch.path("rig.ron"));
+        let told = phisindy(&["new", &data, "--counts", counts, "--out", &spec, "--force"]);
+        assert_eq!(told.code, 0, "{}", told.err);
+        let text = std::fs::read_to_string(&spec).expect("a spec");
+        assert!(!text.contains("QUESTION"), "{text}");
+        checked(&scratch, &text);
+    }
+}
+
+#[test]
+fn a_torque_called_t_is_no_time() {
+    for (head, said) in [
+        ("t_s,phi_rad,T_Nm", "force `T_Nm`"),
+        ("t_s,x_m,T_Nm", "drive `T_Nm`"),
+        ("t,theta,T", "drive `T`"),
+        ("Zeit_s,Winkel_rad,M_Nm", "force `M_Nm`"),
+        ("t_s,q_rad,tau_in", "drive `tau_in`"),
+        ("t_s,q_rad,voltage", "drive `voltage`"),
+        ("T,theta,F", "time `T`"),
+    ] {
+        let file = rig(&format!("{head}\n"), |_, t, x, f| format!("{t:.4},{:.6},{f:.4}", 0.05 * x));
+        let (scratch, text, told) = made(&format!("torque-{}", head.replace(',', "-")), file.as_bytes());
+        holds(&told.err, &[said]);
+        assert!(!text.contains("counts rows"), "{text}");
+        checked(&scratch, &text);
+    }
+}
+
+#[test]
+fn columns_that_nothing_names_are_asked_for() {
+    for (k, head) in ["", "TIME,CH1,CH2\n"].iter().enumerate() {
+        let file = rig(head, |_, t, x, f| format!("{t:.4},{x:.5},{f:.4}"));
+        let (scratch, text, said) = made(&format!("untold{k}"), file.as_bytes());
+        holds(&said.err, &["question: no heading says what", "which one moves, and what drives it?"]);
+        checked(&scratch, &text);
+        let data = scratch.path("rig.csv");
+        assert_eq!(phisindy(&["go", &data, "--out", &scratch.path("found")]).code, 2);
+        let told = phisindy(&["new", &data, "--columns", "time_s,x_mm,F_N"]);
+        assert_eq!(told.code, 0, "{}", told.err);
+        holds(&told.out, &["\"mm\"), \"F\": (", "inertia: { \"v\": \"m\" }"]);
+        assert!(!told.out.contains("QUESTION"), "{}", told.out);
+        let free = phisindy(&["new", &data, "--columns", "time_s,x_mm,-"]);
+        assert!(free.out.contains("inputs: {}") && !free.out.contains("QUESTION"), "{}", free.out);
+        let wrong = phisindy(&["new", &data, "--columns", "time_s,x_mm"]);
+        assert_eq!(wrong.code, 2);
+        holds(&wrong.err, &["2 names are said for 3 columns"]);
+    }
 }

@@ -7,7 +7,9 @@ use clap::error::ErrorKind;
 use clap::parser::ValueSource;
 use clap::{CommandFactory, Parser, Subcommand, ValueEnum};
 use phisindy::files::{Assignment, Naming, Request};
+use phisindy_import::{Answers, CountUnit, Heading, Quantity};
 use phisindy_phys::spec::Method;
+use phisindy_phys::unit::Unit;
 use phisindy_report::Look;
 use phisindy_report::export::{EXPORTERS, Exporter};
 use std::path::PathBuf;
@@ -294,9 +296,8 @@ pub(crate) struct GoArgs {
     /// Sheet of a workbook, or variable, structure, group of another file
     #[arg(long, value_name = "NAME")]
     pub(crate) sheet: Option<String>,
-    /// Rows per second, of a file without times or in place of them
-    #[arg(long, value_name = "HZ", value_parser = rate)]
-    pub(crate) rate: Option<f64>,
+    #[command(flatten)]
+    pub(crate) said: Said,
     /// Do not open the report
     #[arg(long)]
     pub(crate) no_open: bool,
@@ -311,17 +312,74 @@ pub(crate) struct NewArgs {
     /// Sheet of a workbook, or variable, structure, group of another file
     #[arg(long, value_name = "NAME")]
     pub(crate) sheet: Option<String>,
+    #[command(flatten)]
+    pub(crate) said: Said,
+}
+
+/// What the user says of a data file beside what it holds.
+#[derive(Clone, Debug, clap::Args)]
+pub(crate) struct Said {
     /// Rows per second, of a file without times or in place of them
     #[arg(long, value_name = "HZ", value_parser = rate)]
     pub(crate) rate: Option<f64>,
+    /// Names of the columns with their units, in the place of the headings; - for one that is not used
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',', allow_hyphen_values = true)]
+    pub(crate) columns: Vec<String>,
+    /// Unit of the column of time, where its heading gives none or a wrong one
+    #[arg(long, value_name = "UNIT", value_parser = time_unit)]
+    pub(crate) time_unit: Option<String>,
+    /// Counts of an encoder in a turn or a length, 4096/rev, 200/mm; of one of several, enc_motor=4096/rev
+    #[arg(long, value_name = "N/UNIT", value_parser = counts)]
+    pub(crate) counts: Vec<CountUnit>,
+}
+
+impl Said {
+    /// For a draft.
+    pub(crate) fn answers(&self) -> Answers {
+        Answers {
+            rate: self.rate,
+            columns: self.columns.clone(),
+            time_unit: self.time_unit.clone(),
+            counts: self.counts.clone(),
+        }
+    }
+}
+
+/// A unit of time.
+fn time_unit(text: &str) -> Result<String, String> {
+    let second = Unit::parse("s").map(|unit| unit.dimension).ok();
+    let unit = Unit::parse(text).ok().filter(|unit| Some(unit.dimension) == second);
+    unit.map(|_| text.trim().to_owned()).ok_or("a unit of time, such as s, ms, us, ns".to_owned())
+}
+
+/// How many counts are a turn, a length or an acceleration; the unit of one count.
+fn counts(text: &str) -> Result<CountUnit, String> {
+    let wrong = || "how many counts are a turn or a length, as in 4096/rev or 200/mm".to_owned();
+    let (heading, ratio) = match text.rsplit_once('=') {
+        Some((heading, ratio)) => (Some(heading.trim().to_owned()), ratio),
+        None => (None, text),
+    };
+    let (number, unit) = ratio.split_once('/').ok_or_else(wrong)?;
+    let (number, unit) = (number.trim(), unit.trim());
+    let many = number.parse::<f64>().is_ok_and(|n| n.is_normal() && n > 0.0);
+    let heading_of = Heading::parse(&format!("x [{unit}]"));
+    let measures = matches!(heading_of.quantity, Quantity::Angle | Quantity::Length | Quantity::Acceleration);
+    let unit = format!("{}/{number}", heading_of.unit.unwrap_or_default());
+    (many && measures && Unit::parse(&unit).is_ok()).then_some(CountUnit { heading, unit }).ok_or_else(wrong)
 }
 
 /// A number of rows per second.
 fn rate(text: &str) -> Result<f64, String> {
-    let rate = text.trim_end_matches("Hz").trim().parse::<f64>();
+    let text = text.trim();
+    let (number, factor) = match (text.strip_suffix("kHz"), text.strip_suffix("Hz")) {
+        (Some(number), _) => (number, 1e3),
+        (None, Some(number)) => (number, 1.0),
+        (None, None) => (text, 1.0),
+    };
+    let rate = number.trim().parse::<f64>().map(|rate| rate * factor);
     rate.ok()
         .filter(|r| r.is_normal() && *r > 0.0)
-        .ok_or("a number of rows per second, as in 1000".to_owned())
+        .ok_or("a number of rows per second, as in 1000 or 2kHz".to_owned())
 }
 
 /// Where to work on a page.

@@ -1,6 +1,6 @@
 //! Contradictions between headings and the spec: another unit (`x_mm` read in m), or swapped columns.
 
-use crate::headings::Heading;
+use crate::headings::{COUNT, Heading};
 use phisindy_phys::spec::{ColumnSpec, CsvSpec, Text};
 use phisindy_phys::unit::Unit;
 use phisindy_phys::{Diagnostic, SourceId};
@@ -36,7 +36,8 @@ pub(crate) fn unit_contradiction(
     let warning = |message: String, help: String| {
         Diagnostic::warning(message).at(spec, at, format!("read in {read}")).help(help)
     };
-    if theirs.dimension != unit.dimension {
+    let counts = said.strip_prefix(COUNT).is_some_and(|rest| rest.is_empty() || rest.starts_with('/'));
+    if theirs.dimension != unit.dimension && !counts {
         // A single letter may belong to the name: `F_N` may be a normal force, `v_s` a sliding velocity.
         let letter = said.len() == 1 && heading.ends_with(&format!("_{said}"));
         let message =
@@ -44,6 +45,14 @@ pub(crate) fn unit_contradiction(
         let help =
             format!("is `{heading}` the column that is `{what}`? if it is, write it with a unit of its kind");
         return (!letter).then(|| warning(message, help));
+    }
+    if counts {
+        // `rev/4096` says what a count is.
+        let told = stated.is_none_or(|s| s == said || s.contains(|c: char| c.is_ascii_digit()));
+        let message =
+            format!("the heading `{heading}` says counts, but the spec reads it as `{what}` in {read}");
+        let help = "say what a count is, as in (\"HEADING\", \"rev/4096\") for 4096 counts a turn".to_owned();
+        return (!told).then(|| warning(message, help));
     }
     let factor = unit.factor / theirs.factor;
     let message = format!(
@@ -117,6 +126,9 @@ mod tests {
         assert!(warning("x", Some("[mm]"), Some("m")).contains("says mm"));
         assert!(warning("v_mm_s", None, Some("mm")).contains("reads it as `x` in mm"));
         assert!(warning("u [V]", None, Some("mm")).contains("says V"));
+        assert!(warning("enc_cnt", None, Some("rad")).contains("says counts"));
+        assert!(warning("enc [counts]", None, Some("mm")).contains("says counts"));
+        assert_eq!(warning("enc_cnt", None, Some("rev/4096")), "");
     }
 
     #[test]

@@ -1,13 +1,14 @@
 //! The content of a spec for a data file: records, model and start values.
 
-use crate::headings::{Quantity, factor};
+use crate::headings::{COUNT, Heading, Quantity, factor};
+use crate::question::{Answers, Counted, Question};
 use crate::records::{RecordDraft, Records};
 use crate::remarks::Remark;
-use crate::roles::{Evidence, Input, NoMotion, Roles};
+use crate::roles::{ENCODERS, Evidence, Input, NoMotion, Roles};
 use crate::start_values::{Drive, Estimate, Motion};
 use crate::statistics::{Statistics, Stops, stops};
 use crate::table::{Column, Table};
-use crate::time_column::{NoTime, TimeColumn};
+use crate::time_column::{NoTime, TimeColumn, is_whole};
 use crate::usage::Usage;
 use phisindy_expr::Span;
 use phisindy_phys::{Diagnostic, SourceId, Wrap, wraps};
@@ -18,6 +19,8 @@ use std::ops::Range;
 const PLENTY: usize = 25_000;
 /// Amplitude in radian beyond which an angle is not small.
 const LARGE_ANGLE: f64 = 0.5;
+/// Amplitude in radian from which an angle is that of a rotor, which no gravity pulls back.
+const ROUND: f64 = 2.0 * std::f64::consts::PI;
 
 /// Least share of a line of a spectrum that is shown as the frequency of a column.
 const LINE: f64 = 0.1;
@@ -51,6 +54,8 @@ pub struct Draft {
     pub extent: (f64, f64),
     /// Remarks for the user.
     pub remarks: Vec<Remark>,
+    /// What the user has to say before a search.
+    pub questions: Vec<Question>,
 }
 
 impl Draft {
@@ -59,16 +64,18 @@ impl Draft {
     /// # Errors
     /// No column can be time or motion, or a column that a model may need holds text.
     pub fn of(table: Table) -> Result<Draft, NoDraft> {
-        Draft::with_progress(table, None, &|_| {})
+        Draft::with_answers(table, &Answers::default(), &|_| {})
     }
 
-    /// The same at a number of rows per second, if the user says it in place of times, and tells how much of
-    /// the work is done, from 0 to 1.
+    /// The same with what the user says beside the file, and tells how much of the work is done, from 0 to 1.
     ///
     /// # Errors
     /// As [`Draft::of`].
-    pub fn with_progress(mut table: Table, rate: Option<f64>, tell: &dyn Fn(f64)) -> Result<Draft, NoDraft> {
-        let time = TimeColumn::find(&mut table, rate).map_err(NoDraft::Time)?.with_guessed_unit(&mut table);
+    pub fn with_answers(mut table: Table, answers: &Answers, tell: &dyn Fn(f64)) -> Result<Draft, NoDraft> {
+        name_columns(&mut table, &answers.columns).map_err(NoDraft::Columns)?;
+        counts(&mut table, answers);
+        let time = TimeColumn::find(&mut table, answers.rate).map_err(NoDraft::Time)?;
+        let time = time.with_unit(&mut table, answers.time_unit.as_deref());
         let runs = time.runs(table.rows());
         let longest = runs.iter().max_by_key(|r| r.len()).cloned().unwrap_or(0..table.rows());
         let times = &table.columns[time.column].values;
@@ -84,8 +91,39 @@ impl Draft {
             return Err(NoDraft::Text(Box::new(mistake)));
         }
         let longest_run = longest.clone();
+        let guessed = |table: &Table| {
+            let evidence = Evidence { table, time: &time, statistics: &statistics, run: &longest };
+            Roles::guess(&evidence).map_err(NoDraft::Motion)
+        };
+        let mut roles = guessed(&table)?;
+        let mut questions = vec![];
+        questions.extend(time.question(&table));
+        // What moves is counted: what the user says of counts is said of it.
+        let base = Some(roles.input).filter(|input| matches!(input, Input::Base(_))).and_then(Input::column);
+        let moving: Vec<usize> = roles.moving().into_iter().chain(base).collect();
+        let counted = |table: &Table, c: usize| is_counted(&table.columns[c].heading);
+        let said = moving.first().is_none_or(|&c| counted(&table, c));
+        for &c in &moving {
+            let column = &table.columns[c];
+            let whole = column.heading.unit.is_none() && statistics[c].values.is_none() && is_whole(column);
+            if counted(&table, c) || (whole && Some(c) == roles.displacement) {
+                let unit = answers.unit_of(&column.heading).map(str::to_owned);
+                count(&mut table.columns[c], unit.as_deref());
+            }
+        }
+        roles = guessed(&table)?;
+        if let Some(c) = roles.moving().filter(|&c| counted(&table, c)) {
+            let accelerates = roles.displacement.or(roles.velocity).is_none();
+            let of = if accelerates { Counted::Acceleration } else { Counted::Motion { said } };
+            questions.push(Question::Counts { heading: table.columns[c].heading.raw.clone(), of });
+        }
         let evidence = Evidence { table: &table, time: &time, statistics: &statistics, run: &longest };
-        let roles = Roles::guess(&evidence).map_err(NoDraft::Motion)?;
+        let untold = roles.untold(&evidence);
+        if !untold.is_empty() {
+            let headings = untold.iter().map(|&k| evidence.name(k).to_owned()).collect();
+            let all = table.columns.len() - usize::from(time.counted);
+            questions.push(Question::Columns { headings, all });
+        }
         let Records { records, first, longest, remarks } = Records::of(&evidence, &roles, &runs);
         let mut draft = Draft {
             time,
@@ -100,6 +138,7 @@ impl Draft {
             stops: Stops::default(),
             extent: (0.0, 0.0),
             remarks: vec![],
+            questions,
             table,
         };
         draft.remarks = draft
@@ -107,7 +146,7 @@ impl Draft {
             .chain(draft.of_the_file())
             .chain(draft.guessed_unit())
             .chain(draft.coarse_time())
-            .chain(draft.assumed_rate())
+            .chain(draft.stated_rate())
             .chain(draft.wrapped(&longest_run))
             .chain(remarks)
             .collect();
@@ -174,7 +213,9 @@ impl Draft {
     /// A remark if the unit of the time is a guess.
     fn guessed_unit(&self) -> Option<Remark> {
         let heading = &self.table.columns[self.time.column].heading;
-        self.time.unit_guessed.then(|| Remark::TimeUnit {
+        // Of a unit that makes no record the question tells.
+        let guessed = self.time.unit_guessed && self.time.implausible_unit.is_none();
+        guessed.then(|| Remark::TimeUnit {
             heading: heading.raw.clone(),
             step: self.time.step,
             unit: heading.unit.clone().unwrap_or_default(),
@@ -201,10 +242,15 @@ impl Draft {
         self.time.coarse.clone().map(Remark::CoarseTime)
     }
 
-    /// A remark if nothing tells how many rows there are in a second.
-    fn assumed_rate(&self) -> Option<Remark> {
-        let TimeColumn { counted, told, coarse, rate, .. } = &self.time;
-        (*counted && !told && coarse.is_none()).then_some(Remark::AssumedRate(*rate))
+    /// A remark on the rate that the header states: it is used, or the times say otherwise.
+    fn stated_rate(&self) -> Option<Remark> {
+        let stated = self.time.stated.clone()?;
+        if self.time.counted {
+            return Some(Remark::StatedRate(stated));
+        }
+        let seen = 1.0 / (self.time.step * self.factor(self.time.column));
+        let differs = (seen / stated.rate - 1.0).abs() > 0.02;
+        differs.then_some(Remark::RateDiffers { stated, seen })
     }
 
     /// Estimates the start values from the first record: from its good rows, and of these from the rows in
@@ -234,7 +280,7 @@ impl Draft {
         let whole = self.displacement_range();
         let is_pendulum = self.roles.is_angle
             && self.roles.displacement.is_some()
-            && 0.5 * (whole.1 - whole.0) > LARGE_ANGLE;
+            && (LARGE_ANGLE..ROUND).contains(&(0.5 * (whole.1 - whole.0)));
         let grow = time.windows(2).position(|w| w[1] <= w[0]).map_or(time.len(), |k| k + 1);
         time.truncate(grow);
         let line = strongest_line(&time, &displacement[..grow.min(displacement.len())]);
@@ -295,6 +341,51 @@ impl Draft {
     }
 }
 
+/// Gives the columns the names that the user says, and leaves out those called `-`. They are still found in
+/// the file by their own.
+fn name_columns(table: &mut Table, names: &[String]) -> Result<(), (usize, usize)> {
+    if names.is_empty() {
+        return Ok(());
+    }
+    if names.len() != table.columns.len() {
+        return Err((names.len(), table.columns.len()));
+    }
+    for (column, name) in table.columns.iter_mut().zip(names) {
+        column.heading = Heading { raw: column.heading.raw.clone(), ..Heading::parse(name) };
+    }
+    let mut used = names.iter().map(|name| name != "-");
+    table.columns.retain(|_| used.next().unwrap_or(true));
+    Ok(())
+}
+
+/// Writes into the headings which columns count, and what a count is if the user says it of this column. An
+/// encoder counts if it has no unit and whole numbers.
+fn counts(table: &mut Table, answers: &Answers) {
+    for column in &mut table.columns {
+        let encoder = column.heading.unit.is_none() && column.heading.has_word(ENCODERS) && is_whole(column);
+        if is_counted(&column.heading) || encoder {
+            count(column, answers.own_unit_of(&column.heading));
+        }
+    }
+}
+
+/// Gives a column the unit of its counts, as far as it is said.
+fn count(column: &mut Column, unit: Option<&str>) {
+    let unit = unit.unwrap_or(COUNT);
+    // `count/s` becomes `rev/4096/s`.
+    let rest = column.heading.unit.as_deref().and_then(|own| own.strip_prefix(COUNT)).unwrap_or_default();
+    column.heading = Heading { unit: None, ..column.heading.clone() }.with_unit(&format!("{unit}{rest}"));
+}
+
+/// Whether a column is in counts, or in counts per second.
+fn is_counted(heading: &Heading) -> bool {
+    heading
+        .unit
+        .as_deref()
+        .and_then(|own| own.strip_prefix(COUNT))
+        .is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
+}
+
 /// Why there is no draft for a table.
 #[derive(Debug)]
 pub enum NoDraft {
@@ -304,6 +395,8 @@ pub enum NoDraft {
     Motion(NoMotion),
     /// A column that a model may need holds text.
     Text(Box<Diagnostic>),
+    /// So many names are said for so many columns.
+    Columns((usize, usize)),
 }
 
 impl NoDraft {
@@ -318,6 +411,10 @@ impl NoDraft {
             NoDraft::Time(why @ NoTime::NotGrowing { falls: true, .. }) => {
                 (why.to_string(), "turn the order of the rows round, so that the first sample stands first")
             }
+            NoDraft::Time(why @ NoTime::NoRate { .. }) => (
+                why.to_string(),
+                "say it: `phisindy new --rate 1000Hz`, or write `# fs = 1000 Hz` above the heading",
+            ),
             NoDraft::Time(why) => (
                 why.to_string(),
                 "add a column `time_s`, in seconds from the start, that grows from row to row; if the rows are even, say how many there are in a \
@@ -328,6 +425,11 @@ impl NoDraft {
                 "a record needs a column of displacement or velocity; say which one in the heading, as in `x_mm` or `v [m/s]`",
             ),
             NoDraft::Text(mistake) => return mistake,
+            NoDraft::Columns((names, columns)) => (
+                format!("{names} names are said for {columns} columns"),
+                "give `--columns` a name for each column in order, as in `time_s,x_mm,F_N`, and `-` for one \
+                 that is not used",
+            ),
         };
         Box::new(Diagnostic::error(format!("`{name}`: {message}")).at(source, at, "this file").help(help))
     }

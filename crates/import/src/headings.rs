@@ -23,6 +23,8 @@ pub enum Quantity {
     Torque,
     /// A voltage or a current: the input of a motor, or the output of a sensor.
     Electric,
+    /// Counts of an encoder or a converter: of what, the heading does not say.
+    Count,
     /// Any other quantity.
     Other,
     /// The heading states no unit.
@@ -60,7 +62,7 @@ impl Heading {
     /// Adds the unit of a second heading line, unless the heading states its own.
     pub fn with_unit(mut self, unit: &str) -> Heading {
         if self.unit.is_none() {
-            self.unit = normalized(unit.trim_matches(['[', ']', '(', ')', ' ']));
+            self.unit = normalized(plain_unit(unit));
         }
         self.with_quantity()
     }
@@ -88,6 +90,11 @@ impl Heading {
         parts.map(|w| w.trim_end_matches(|c: char| c.is_ascii_digit())).filter(|w| !w.is_empty())
     }
 
+    /// Whether the name is a capital `T`, which is a time or a torque.
+    pub(crate) fn is_capital_t(&self) -> bool {
+        self.name == "t" && self.raw.trim_start().starts_with('T')
+    }
+
     /// Whether the name contains one of these words.
     pub(crate) fn has_word(&self, words: &[&str]) -> bool {
         self.words().any(|w| words.contains(&w))
@@ -97,6 +104,9 @@ impl Heading {
 fn is_quotient(unit: Option<&str>) -> bool {
     unit.is_some_and(|u| u.contains('/'))
 }
+
+/// The unit of what is counted.
+pub(crate) const COUNT: &str = "count";
 
 /// The factor from a unit to SI; 1 without a known unit.
 pub(crate) fn factor(unit: Option<&str>) -> f64 {
@@ -124,7 +134,7 @@ pub(crate) const VELOCITIES: &[&str] = &[
     "geschwindigkeit",
 ];
 /// Words that name an acceleration.
-const ACCELERATIONS: &[&str] = &["a", "acc", "accel", "acceleration", "beschleunigung"];
+pub(crate) const ACCELERATIONS: &[&str] = &["a", "acc", "accel", "acceleration", "beschleunigung"];
 
 /// Most bytes of a unit in a heading: each end of a heading of thousands of bytes would be read as a unit
 /// otherwise.
@@ -186,52 +196,132 @@ fn unit_of_time(text: &str) -> Split<'_> {
 fn bare_unit(text: &str) -> Option<String> {
     let unit = normalized(text)?;
     let known = quantity(&unit) != Quantity::Other
-        || matches!(unit.as_str(), "kg" | "K" | "Pa" | "kPa" | "MPa" | "bar" | "Hz" | "W");
-    (known && !matches!(text, "t" | "d" | "h" | "min" | "rev" | "in" | "1")).then_some(unit)
+        || matches!(unit.as_str(), "kg" | "K" | "Pa" | "kPa" | "MPa" | "bar" | "mbar" | "psi" | "Hz" | "W");
+    let is_name = matches!(text, "t" | "d" | "h" | "min" | "rev" | "turn" | "turns" | "in" | "1");
+    (known && !is_name).then_some(unit)
+}
+
+/// Other spellings of a unit, in lower case, and the one of specs.
+const SPELLINGS: &[(&[&str], &str)] = &[
+    (&["sec", "secs", "second", "seconds", "sek", "sekunde", "sekunden"], "s"),
+    (&["msec", "msecs", "millis", "millisecond", "milliseconds", "millisekunden"], "ms"),
+    (&["usec", "usecs", "µsec", "μsec", "micros", "microsecond", "microseconds", "mikrosekunden"], "us"),
+    (&["nsec", "nsecs", "nanos", "nanosecond", "nanoseconds", "nanosekunden"], "ns"),
+    (&["meter", "metre", "meters", "metres"], "m"),
+    (&["millimeter", "millimetre", "millimeters", "millimetres"], "mm"),
+    (&["centimeter", "centimetre", "centimeters", "centimetres"], "cm"),
+    (&["micron", "microns", "micrometer", "micrometre"], "um"),
+    (&["inch", "inches", "\""], "in"),
+    (&["feet", "foot"], "ft"),
+    (&["lbs"], "lbf"),
+    (&["kp"], "kgf"),
+    (&["newton", "newtons"], "N"),
+    (&["kilonewton"], "kN"),
+    (&["newtonmeter", "n.m", "n m", "n-m"], "N*m"),
+    (&["volt", "volts"], "V"),
+    (&["ampere", "amperes", "amp", "amps"], "A"),
+    (&["milliampere", "milliamps"], "mA"),
+    (&["degree", "degrees", "degs", "grad"], "deg"),
+    (&["radian", "radians", "rads"], "rad"),
+    (&["turns", "revs", "revolution", "revolutions", "umdr", "umdrehung", "umdrehungen"], "rev"),
+    (&["u/min", "1/min", "r/min", "rev/min", "min-1", "min^-1"], "rpm"),
+    (
+        &[
+            "counts",
+            "cnt",
+            "cnts",
+            "cts",
+            "tick",
+            "ticks",
+            "pulse",
+            "pulses",
+            "impulse",
+            "impulses",
+            "inkrement",
+            "inkremente",
+            "increment",
+            "increments",
+            "incr",
+            "inkr",
+            "lsb",
+            "digit",
+            "digits",
+        ],
+        "count",
+    ),
+    (&["m/s/s"], "m/s^2"),
+    (&["dps"], "deg/s"),
+];
+/// Spellings that differ from a unit of another kind by their case alone: `nm` is a nanometre.
+const EXACT_SPELLINGS: &[(&str, &str)] =
+    &[("Nm", "N*m"), ("Ncm", "N*cm"), ("Nmm", "N*mm"), ("kNm", "kN*m"), ("mNm", "mN*m")];
+
+/// The spelling of specs of a unit without powers and quotients; the text itself if there is none.
+fn spelling(text: &str) -> &str {
+    let lower = text.to_lowercase();
+    let exact = EXACT_SPELLINGS.iter().find(|(own, _)| *own == text).map(|(_, unit)| *unit);
+    let any = || SPELLINGS.iter().find(|(all, _)| all.contains(&lower.as_str())).map(|(_, unit)| *unit);
+    exact.or_else(any).unwrap_or(text)
 }
 
 /// The unit as specs spell it, if it is known.
-fn normalized(text: &str) -> Option<String> {
+pub(crate) fn normalized(text: &str) -> Option<String> {
     if text.len() > LONGEST_UNIT {
         return None;
     }
-    let text = text.trim().replace('²', "^2").replace("**", "^").replace('·', "*").replace(" per ", "/");
-    let word = match text.to_lowercase().as_str() {
-        "sec" | "secs" | "second" | "seconds" | "sek" | "sekunden" => "s",
-        "msec" | "millis" | "millisecond" | "milliseconds" => "ms",
-        "usec" | "micros" | "microsecond" | "microseconds" => "us",
-        "meter" | "metre" | "meters" | "metres" => "m",
-        "millimeter" | "millimetre" | "millimeters" | "millimetres" => "mm",
-        "micron" | "microns" | "micrometer" | "micrometre" => "um",
-        "inch" | "inches" | "\"" => "in",
-        "feet" | "foot" => "ft",
-        "lbs" => "lbf",
-        "newton" | "newtons" => "N",
-        "volt" | "volts" => "V",
-        "ampere" | "amp" | "amps" => "A",
-        "degree" | "degrees" | "grad" => "deg",
-        "radian" | "radians" => "rad",
-        "nm" if text == "Nm" => "N*m",
-        "n.m" | "n m" => "N*m",
-        "m/s/s" => "m/s^2",
-        _ => text.as_str(),
-    };
-    // m/s2 is m/s^2.
-    let word = match word.strip_suffix(['2', '3']) {
-        Some(front) if front.ends_with(|c: char| c.is_alphabetic()) => {
-            format!("{front}^{}", &word[front.len()..])
+    // Raised digits and words, as specs write them: `s⁻²` is `s^-2`.
+    const PLAIN: [(&str, &str); 7] =
+        [("²", "^2"), ("³", "^3"), ("⁻¹", "^-1"), ("⁻^", "^-"), ("**", "^"), ("·", "*"), (" per ", "/")];
+    let text = PLAIN.iter().fold(text.trim().to_owned(), |text, (from, to)| text.replace(from, to));
+    let word = match spelling(&text) {
+        // `rad/sec`: each part has a spelling of its own.
+        same if same == text && text.contains('/') => {
+            text.split('/').map(|part| powers(spelling(part.trim()))).collect::<Vec<_>>().join("/")
         }
-        _ => word.to_owned(),
+        other => powers(other),
     };
     (!word.is_empty() && !word.starts_with(|c: char| c.is_ascii_digit()) && Unit::parse(&word).is_ok())
         .then_some(word)
+}
+
+/// `s2` is `s^2`, and `sec^2` is it too.
+fn powers(word: &str) -> String {
+    if let Some((front, power)) = word.split_once('^') {
+        return format!("{}^{power}", spelling(front));
+    }
+    match word.strip_suffix(['2', '3']) {
+        Some(front) if front.ends_with(|c: char| c.is_alphabetic()) => {
+            format!("{}^{}", spelling(front), &word[front.len()..])
+        }
+        _ => word.to_owned(),
+    }
+}
+
+/// Words that stand in the place of a unit in a second heading line, beside units that are known.
+const OTHER_UNITS: &[&str] =
+    &["°c", "degc", "deg c", "a.u.", "au", "raw", "bool", "n/a", "none", "nodim", "unitless", "-", "--"];
+
+/// Whether a text is a unit as a second heading line has it: `mm`, `[mm]`, `Nm`; `false` for a number.
+pub(crate) fn is_unit(text: &str) -> bool {
+    normalized(plain_unit(text)).is_some()
+}
+
+/// Whether a text may stand beside units in a second heading line: empty brackets, temperatures.
+pub(crate) fn is_beside_units(text: &str) -> bool {
+    let plain = plain_unit(text);
+    plain.is_empty() || OTHER_UNITS.contains(&plain.to_lowercase().as_str())
+}
+
+/// A unit without the brackets around it.
+fn plain_unit(text: &str) -> &str {
+    text.trim_matches(['[', ']', '(', ')', '<', '>', '{', '}', ' '])
 }
 
 /// The quantity that a unit measures.
 fn quantity(unit: &str) -> Quantity {
     let dimension = |text: &str| Unit::parse(text).map(|u| u.dimension).ok();
     let own = dimension(unit);
-    let angle = ["rad", "deg", "°", "rev"].iter().any(|a| unit.contains(a));
+    let angle = ["rad", "deg", "°", "rev", "turn"].iter().any(|a| unit.contains(a));
     let same = |text: &str| own.is_some() && own == dimension(text);
     match () {
         () if same("s") => Quantity::Time,
@@ -241,6 +331,7 @@ fn quantity(unit: &str) -> Quantity {
         () if same("N") => Quantity::Force,
         () if same("N*m") => Quantity::Torque,
         () if same("V") || same("A") => Quantity::Electric,
+        () if unit == COUNT => Quantity::Count,
         () if angle && same("") => Quantity::Angle,
         () if (angle || unit == "rpm") && same("1/s") => Quantity::AngularSpeed,
         () if angle && same("1/s^2") => Quantity::Acceleration,
@@ -313,6 +404,27 @@ mod tests {
             ("seconds", "seconds", Some("s"), Quantity::Time),
             ("x (furlong)", "x", None, Quantity::Unknown),
             ("torque_enabled", "torque_enabled", None, Quantity::Unknown),
+            ("T_Nm", "t", Some("N*m"), Quantity::Torque),
+            ("M_mNm", "m", Some("mN*m"), Quantity::Torque),
+            ("Moment [Ncm]", "moment", Some("N*cm"), Quantity::Torque),
+            ("tau_in", "tau_in", None, Quantity::Unknown),
+            ("voltage", "voltage", None, Quantity::Unknown),
+            ("i_A", "i", Some("A"), Quantity::Electric),
+            ("i_meas_A", "i_meas", Some("A"), Quantity::Electric),
+            ("enc_cnt", "enc", Some("count"), Quantity::Count),
+            ("Geber (Inkremente)", "geber", Some("count"), Quantity::Count),
+            ("motor_ticks", "motor", Some("count"), Quantity::Count),
+            ("phi [rev/4096]", "phi", Some("rev/4096"), Quantity::Angle),
+            ("Winkel [Umdr]", "winkel", Some("rev"), Quantity::Angle),
+            ("n (U/min)", "n", Some("rpm"), Quantity::AngularSpeed),
+            ("gyro_dps", "gyro", Some("deg/s"), Quantity::AngularSpeed),
+            ("omega [rad/sec]", "omega", Some("rad/s"), Quantity::AngularSpeed),
+            ("a [mm/sec^2]", "a", Some("mm/s^2"), Quantity::Acceleration),
+            ("w [rad·s⁻¹]", "w", Some("rad*s^-1"), Quantity::AngularSpeed),
+            ("p_psi", "p", Some("psi"), Quantity::Other),
+            ("timestamp_us", "timestamp", Some("us"), Quantity::Time),
+            ("time (μsec)", "time", Some("us"), Quantity::Time),
+            ("stamp_nsec", "stamp", Some("ns"), Quantity::Time),
         ] {
             let h = Heading::parse(raw);
             assert_eq!((h.name.as_str(), h.unit.as_deref(), h.quantity), (name, unit, kind), "{raw}");

@@ -1,5 +1,6 @@
 //! Remarks on a draft: what the user should know before a run.
 
+use crate::stated_rate::StatedRate;
 use crate::time_column::Coarse;
 use std::fmt;
 
@@ -17,8 +18,15 @@ pub enum Remark {
     },
     /// The stamps are coarser than the rows.
     CoarseTime(Coarse),
-    /// No column is time, and so many rows per second are assumed.
-    AssumedRate(f64),
+    /// No column is time, and the header states the rate.
+    StatedRate(StatedRate),
+    /// The times and the header of the file differ in their rate.
+    RateDiffers {
+        /// What the header states.
+        stated: StatedRate,
+        /// Rows per second by the times.
+        seen: f64,
+    },
     /// A column wraps.
     Wraps {
         /// Its heading.
@@ -74,8 +82,8 @@ pub enum Remark {
 impl Remark {
     /// Whether the user has to check or correct something before a run.
     pub fn needs_edit(&self) -> bool {
-        use Remark::{MoreTrials, Note, OmittedRows, OtherSheets};
-        !matches!(self, MoreTrials { .. } | OmittedRows { .. } | OtherSheets(_) | Note(_))
+        use Remark::{MoreTrials, Note, OmittedRows, OtherSheets, StatedRate};
+        !matches!(self, MoreTrials { .. } | OmittedRows { .. } | OtherSheets(_) | Note(_) | StatedRate(_))
     }
 }
 
@@ -96,10 +104,13 @@ impl fmt::Display for Remark {
                 "`{heading}` is coarser than the rows, with a new stamp every {step} for {least}{} rows each: the rows are counted, {rate} of them per second",
                 if most > least { format!(" to {most}") } else { String::new() }
             ),
-            Remark::AssumedRate(rate) => write!(
+            Remark::StatedRate(StatedRate { rate, line, text }) => {
+                write!(f, "no column is time: {rate} rows per second, as line {line} says: `{text}`")
+            }
+            Remark::RateDiffers { stated: StatedRate { rate, line, text }, seen } => write!(
                 f,
-                "no column is time: {rate} rows per second are assumed. Say how many there are with `phisindy new --rate HZ`; in the spec it is `time: \
-                 Rate(HZ)`, and the windows change with it"
+                "the times make {seen:.4} rows per second, and line {line} says {rate}: `{text}`. \
+                 Is the unit of the time right?"
             ),
             Remark::Wraps { heading, period, count, line } => write!(
                 f,

@@ -5,8 +5,8 @@ mod names;
 
 use crate::headings::{Quantity, VELOCITIES};
 pub(crate) use evidence::Evidence;
-pub(crate) use names::COMMANDS;
 use names::{ACCELERATIONS, BASES, DISPLACEMENTS, FORCES, OUTPUTS};
+pub(crate) use names::{COMMANDS, ENCODERS, is_word_of_a_role};
 use std::fmt;
 
 /// The input of the model.
@@ -125,6 +125,27 @@ impl Roles {
         self.moving().into_iter().chain(self.input.column())
     }
 
+    /// Signals whose role no name, no unit and no number tells, beside a displacement of which that is true
+    /// too: what drives the motion may be among them.
+    pub(crate) fn untold(&self, evidence: &Evidence<'_>) -> Vec<usize> {
+        let nameless = |k: usize| {
+            let heading = evidence.heading(k);
+            heading.quantity == Quantity::Unknown
+                && !is_word_of_a_role(heading)
+                && !heading.has_word(COMMANDS)
+                && !heading.is_capital_t()
+        };
+        let Some(moving) = self.displacement.filter(|&k| nameless(k)) else { return vec![] };
+        let free = |&k: &usize| {
+            k != moving && nameless(k) && !self.velocities.contains(&k) && !self.accelerations.contains(&k)
+        };
+        let others: Vec<usize> = evidence.signals().into_iter().filter(free).collect();
+        match self.input {
+            Input::None if !others.is_empty() => [moving].into_iter().chain(others).collect(),
+            _ => vec![],
+        }
+    }
+
     /// Guesses the roles.
     ///
     /// # Errors
@@ -151,7 +172,7 @@ impl Guess<'_> {
 
     /// Whether the unit does not tell the role of the column.
     fn is_unclear(&self, k: usize) -> bool {
-        matches!(self.quantity(k), Quantity::Unknown | Quantity::Other)
+        matches!(self.quantity(k), Quantity::Unknown | Quantity::Other | Quantity::Count)
     }
 
     /// The signals that pass a test.
@@ -190,10 +211,16 @@ impl Guess<'_> {
             return Err(NoMotion::NoSignal);
         }
         let force = self.force(displacement, base, &velocities, &accelerations);
+        // What moves in volts or counts has no mass in kilograms.
+        let moving = displacement.or(velocity).or(acceleration);
+        let mechanical = moving.is_some_and(|k| {
+            !matches!(self.quantity(k), Quantity::Electric | Quantity::Count | Quantity::Other)
+        });
         let mut input = match (base, force) {
             (Some(base), _) => Input::Base(base),
             (None, Some(k))
-                if self.quantity(k) == if is_angle { Quantity::Torque } else { Quantity::Force } =>
+                if mechanical
+                    && self.quantity(k) == if is_angle { Quantity::Torque } else { Quantity::Force } =>
             {
                 Input::Force(k)
             }
@@ -237,7 +264,15 @@ impl Guess<'_> {
         let best = candidates
             .iter()
             .find(|&&k| self.named(k, OUTPUTS) || self.named(k, DISPLACEMENTS))
-            .or_else(|| candidates.iter().find(|&&k| !self.named(k, FORCES)))
+            .or_else(|| {
+                // Beside a velocity a voltage or a current drives.
+                let drives = |k: usize| {
+                    self.named(k, FORCES)
+                        || self.evidence.heading(k).is_capital_t()
+                        || (told && self.quantity(k) == Quantity::Electric)
+                };
+                candidates.iter().find(|&&k| !drives(k))
+            })
             .or_else(|| (!told).then(|| candidates.first()).flatten())
             .copied();
         let Some(best) = best else { return (vec![], None) };
@@ -249,8 +284,10 @@ impl Guess<'_> {
                 && (self.named(k, BASES) || self.named(k, DISPLACEMENTS))
                 && !self.named(k, &["in", "input", "u"])
         });
-        let doubt = Doubt::NoUnit(self.evidence.name(best).to_owned());
-        ([best].into_iter().chain(twins).collect(), Some(doubt))
+        // What is counted is asked for, and is in counts until then.
+        let counted = self.quantity(best) == Quantity::Count;
+        let doubt = (!counted).then(|| Doubt::NoUnit(self.evidence.name(best).to_owned()));
+        ([best].into_iter().chain(twins).collect(), doubt)
     }
 
     fn is_angle(&self, k: usize) -> bool {
@@ -269,8 +306,8 @@ impl Guess<'_> {
     ) -> Option<usize> {
         let mut forces = self.signals(|k| {
             let by_unit = matches!(self.quantity(k), Quantity::Force | Quantity::Torque | Quantity::Electric);
-            let by_name =
-                self.is_unclear(k) && self.named(k, FORCES) && !self.named(k, COMMANDS) && Some(k) != base;
+            let named = self.named(k, FORCES) || self.evidence.heading(k).is_capital_t();
+            let by_name = self.is_unclear(k) && named && !self.named(k, COMMANDS) && Some(k) != base;
             let other = Some(k) == displacement || accelerations.contains(&k) || velocities.contains(&k);
             (by_unit || by_name) && !other
         });

@@ -6,6 +6,7 @@
 //!                                                          +------table---> all columns, up to a million rows
 //! ```
 
+mod comment;
 mod dialect;
 mod encoding;
 mod header;

@@ -1,6 +1,7 @@
 //! The table that the reader of each format delivers: columns of numbers with headings and units.
 
 use crate::headings::Heading;
+use crate::stated_rate::StatedRate;
 use phisindy_phys::Diagnostic;
 
 /// A column of a file.
@@ -42,6 +43,8 @@ pub struct Table {
     pub other_sheets: Vec<String>,
     /// What was done to read the file: columns without a name, channels with a rate of their own.
     pub notes: Vec<String>,
+    /// The rates that the header of the file states.
+    pub stated_rates: Vec<StatedRate>,
 }
 
 impl Default for Table {
@@ -54,6 +57,7 @@ impl Default for Table {
             is_text: true,
             other_sheets: vec![],
             notes: vec![],
+            stated_rates: vec![],
         }
     }
 }

@@ -1,6 +1,9 @@
 //! The time column: which one it is, and how regularly it is sampled.
 
-use crate::headings::{Heading, Quantity, factor};
+use crate::headings::{Heading, Quantity, factor, normalized};
+use crate::question::Question;
+use crate::roles::is_word_of_a_role;
+use crate::stated_rate::StatedRate;
 use crate::table::{Column, Table};
 use phisindy_phys::Diagnostic;
 use std::fmt;
@@ -25,12 +28,17 @@ const NAMES: &[&str] = &[
     "datetime",
     "uhrzeit",
     "zeitstempel",
+    "stamp",
+    "micros",
+    "millis",
 ];
 /// Fewer stamps do not tell the rate of the rows.
 const MIN_STAMPS: usize = 3;
 /// Words that name a counter.
-const COUNTERS: &[&str] =
-    &["index", "sample", "samples", "row", "count", "counter", "no", "nr", "id", "unnamed"];
+const COUNTERS: &[&str] = &[
+    "index", "idx", "sample", "samples", "row", "count", "counter", "no", "nr", "id", "unnamed", "frame",
+    "frames",
+];
 
 /// The time column of a table, and its sampling.
 #[derive(Clone, Debug)]
@@ -51,7 +59,7 @@ pub struct TimeColumn {
     pub guessed: bool,
     /// Rows are counted: the file has no time column, or one that is coarser than the rows.
     pub counted: bool,
-    /// The rows per second if they are counted. Without a time column it is 100, unless the user says it.
+    /// The rows per second if they are counted: by the user, the header, or stamps that are coarser.
     pub rate: f64,
     /// The user says the rate.
     pub told: bool,
@@ -60,6 +68,10 @@ pub struct TimeColumn {
     /// The unit is derived from the numbers: a motion is not sampled in steps of a second or more, and dates
     /// are days.
     pub unit_guessed: bool,
+    /// The unit of the heading, where its numbers make no record: steps of a quarter of an hour.
+    pub implausible_unit: Option<String>,
+    /// What the header of the file states on the rate of the rows.
+    pub stated: Option<StatedRate>,
 }
 
 /// A time column that repeats each stamp for several rows, such as full seconds.
@@ -78,7 +90,7 @@ pub struct Coarse {
 impl Coarse {
     /// The column as such a one; none if it is not named as time, or has a stamp for each row.
     fn of(column: &Column) -> Option<Coarse> {
-        let named = column.heading.quantity == Quantity::Time || column.heading.has_word(NAMES);
+        let named = names_time(column);
         let times = &column.values;
         if !named || column.text_cells > 0 || times.windows(2).any(|w| w[1] < w[0] || !w[1].is_finite()) {
             return None;
@@ -116,8 +128,48 @@ fn are_dates(values: &[f64]) -> bool {
     values.iter().any(|x| x.is_finite()) && DATES.iter().any(all_in)
 }
 
+/// Units of time of loggers.
+const UNITS: [&str; 4] = ["s", "ms", "us", "ns"];
+/// Words of a heading that say seconds.
+const SECONDS: &[&str] = &["sec", "secs", "seconds", "second", "sek", "sekunden"];
+/// Seconds between two rows, beyond which there is no record of a motion.
+const SLOWEST: f64 = 10.0;
+/// Steps from which a unit is too short for what a logger does: milliseconds of a second, and so on.
+const STEPS: [(f64, &str); 3] = [(1e3, "ms"), (1e5, "us"), (f64::INFINITY, "ns")];
+/// The seconds since 1970 of about 2001 to 2039.
+const EPOCH: Range<f64> = 1.0e9..2.2e9;
+
+/// The unit in which steps of this size are of that rate.
+fn unit_at(step: f64, rate: f64) -> Option<&'static str> {
+    UNITS.into_iter().find(|unit| (step * factor(Some(unit)) * rate - 1.0).abs() < SAME_RATE)
+}
+
+/// The unit of times whose numbers are no seconds: days where they are dates, a fraction of a second where
+/// they count from 1970 or their steps are one or more.
+fn plausible_unit(step: f64, values: &[f64]) -> Option<&'static str> {
+    if step < SHORT_OF_DAYS && are_dates(values) {
+        return Some("d");
+    }
+    if step < 1.0 {
+        return None;
+    }
+    let first = values.iter().copied().find(|x| x.is_finite()).unwrap_or(0.0);
+    let since_1970 = UNITS.into_iter().find(|unit| {
+        let second = factor(Some(unit));
+        EPOCH.contains(&(first * second)) && step * second <= 1.0
+    });
+    since_1970.or_else(|| STEPS.iter().find(|(below, _)| step < *below).map(|(_, unit)| *unit))
+}
+
+/// The rate of the header, if all that it states is one.
+fn agreed(stated: &[StatedRate]) -> Option<StatedRate> {
+    let first = stated.first()?;
+    let same = |other: &StatedRate| (other.rate / first.rate - 1.0).abs() < SAME_RATE;
+    stated.iter().all(same).then(|| first.clone())
+}
+
 /// Why no column is time.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum NoTime {
     /// A column is named as time and does not grow.
     NotGrowing {
@@ -133,8 +185,13 @@ pub enum NoTime {
         /// What is said of the first text.
         mistake: Box<Diagnostic>,
     },
-    /// No column grows from row to row.
-    NoneGrows,
+    /// No column is time, and nothing states the rate of the rows.
+    NoRate {
+        /// A column that counts the rows.
+        counter: Option<String>,
+        /// What the header states, if that contradicts itself.
+        stated: Vec<StatedRate>,
+    },
 }
 
 impl fmt::Display for NoTime {
@@ -145,57 +202,73 @@ impl fmt::Display for NoTime {
                 write!(f, "the column `{heading}` should be time, and it {does} from row to row")
             }
             NoTime::Text { mistake, .. } => f.write_str(&mistake.message),
-            NoTime::NoneGrows => f.write_str("no column grows from row to row, so none of them is time"),
+            NoTime::NoRate { stated, .. } if !stated.is_empty() => {
+                let all = stated.iter().map(|s| format!("line {} says `{}`", s.line, s.text));
+                let all = all.collect::<Vec<_>>().join(", ");
+                write!(f, "no column is time, and the header contradicts itself on the rate: {all}")
+            }
+            NoTime::NoRate { counter: Some(counter), .. } => {
+                write!(f, "no column is time: `{counter}` counts the rows. How many are there in a second?")
+            }
+            NoTime::NoRate { counter: None, .. } => {
+                f.write_str("no column is time. How many rows are there in a second?")
+            }
         }
     }
 }
 
-/// Rows per second that are assumed for a file without time.
-const RATE: f64 = 100.0;
+/// Steps and rates of one clock differ by less, relatively.
+const SAME_RATE: f64 = 0.02;
 
 impl TimeColumn {
-    /// Finds the time column; adds one to a table without any. If the user says a rate the rows are counted,
-    /// whatever the columns hold.
+    /// Finds the time column; adds one to a table without any, if the user or the header of the file says a
+    /// rate. If the user says one the rows are counted, whatever the columns hold.
     ///
     /// # Errors
-    /// A column is named as time and does not grow, or no column grows.
+    /// A column is named as time and does not grow, or no column is time and nothing states a rate.
     pub(crate) fn find(table: &mut Table, rate: Option<f64>) -> Result<TimeColumn, NoTime> {
         if let Some(rate) = rate {
             return Ok(TimeColumn { told: true, ..TimeColumn::counting(table, rate) });
         }
-        if !table
-            .columns
-            .iter()
-            .any(|c| grows(c) || c.heading.quantity == Quantity::Time || c.heading.has_word(NAMES))
-        {
-            return Ok(TimeColumn::counting(table, RATE));
-        }
+        let stated = agreed(&table.stated_rates);
         if let Some(coarse) = table.columns.iter().find_map(Coarse::of) {
             let counted = TimeColumn::counting(table, coarse.rate);
             return Ok(TimeColumn { coarse: Some(coarse), ..counted });
         }
         let growing: Vec<bool> = table.columns.iter().map(grows).collect();
-        let named = |c: &Column| c.heading.quantity == Quantity::Time || c.heading.has_word(NAMES);
-        let counter = |c: &Column| c.heading.has_word(COUNTERS) && c.heading.quantity != Quantity::Time;
         let pick = |test: &dyn Fn(&Column) -> bool| {
             table.columns.iter().zip(&growing).position(|(c, grows)| *grows && test(c))
         };
-        if let Some(column) = pick(&|c| named(c) && !counter(c)) {
-            return Ok(TimeColumn::of(column, &table.columns[column].values, false));
+        if let Some(column) = pick(&|c| names_time(c) && !counts_rows(c)) {
+            let found = TimeColumn::of(column, &table.columns[column].values, false);
+            return Ok(TimeColumn { stated, ..found });
         }
-        if let Some(c) = table.columns.iter().find(|c| named(c)) {
+        if let Some(c) = table.columns.iter().find(|c| names_time(c)) {
             let heading = c.heading.raw.clone();
             return Err(match &c.first_text {
                 Some(first) => NoTime::Text { heading, mistake: Box::new(first.clone()) },
                 None => NoTime::NotGrowing { heading, falls: falls(c) },
             });
         }
-        match pick(&|c| !counter(c) && !is_whole(c))
-            .or_else(|| pick(&|c| !counter(c)))
-            .or_else(|| pick(&|_| true))
-        {
-            Some(column) => Ok(TimeColumn::of(column, &table.columns[column].values, true)),
-            None => Err(NoTime::NoneGrows),
+        // A column without name and unit may be time; one that counts the rows tells no time.
+        let free = |c: &Column| {
+            let role = is_word_of_a_role(&c.heading) && c.heading.name != "s";
+            c.heading.quantity == Quantity::Unknown && !role && !counts_rows(c) && !is_count(c)
+        };
+        let found = pick(&|c| free(c) && !is_whole(c)).or_else(|| pick(&free));
+        let found = found.map(|k| TimeColumn::of(k, &table.columns[k].values, true));
+        match (found, stated) {
+            // The header states a rate, and these are other numbers: something that grows.
+            (Some(found), Some(stated)) if unit_at(found.step, stated.rate).is_none() => {
+                Ok(TimeColumn::counting_as_stated(table, stated))
+            }
+            (Some(found), stated) => Ok(TimeColumn { stated, ..found }),
+            (None, Some(stated)) => Ok(TimeColumn::counting_as_stated(table, stated)),
+            (None, None) => {
+                let counter = pick(&|c| counts_rows(c) || is_count(c));
+                let counter = counter.map(|k| table.columns[k].heading.raw.clone());
+                Err(NoTime::NoRate { counter, stated: table.stated_rates.clone() })
+            }
         }
     }
 
@@ -203,6 +276,12 @@ impl TimeColumn {
     fn counting(table: &mut Table, rate: f64) -> TimeColumn {
         let column = table.count_rows(rate);
         TimeColumn { counted: true, rate, ..TimeColumn::of(column, &table.columns[column].values, false) }
+    }
+
+    /// Rows counted at the rate that the header states.
+    fn counting_as_stated(table: &mut Table, stated: StatedRate) -> TimeColumn {
+        let counted = TimeColumn::counting(table, stated.rate);
+        TimeColumn { stated: Some(stated), ..counted }
     }
 
     fn of(column: usize, time: &[f64], guessed: bool) -> TimeColumn {
@@ -226,28 +305,62 @@ impl TimeColumn {
             reversals: after(reversals),
             guessed,
             counted: false,
-            rate: RATE,
+            rate: 1.0 / step,
             told: false,
             coarse: None,
             unit_guessed: false,
+            implausible_unit: None,
+            stated: None,
         }
     }
 
-    /// Assigns a unit to a time column without one whose numbers are no seconds: milliseconds or microseconds
-    /// where its steps are one or more, days where its values are dates.
-    pub(crate) fn with_guessed_unit(self, table: &mut Table) -> TimeColumn {
+    /// Assigns a unit to a time column: the one that the user says; else, where the heading gives none or one
+    /// that makes no record, the one that the rate in the header says, or that the numbers say.
+    pub(crate) fn with_unit(self, table: &mut Table, said: Option<&str>) -> TimeColumn {
         let column = &mut table.columns[self.column];
-        let unit = match self.step {
-            _ if column.heading.unit.is_some() || self.counted => None,
-            step if step < SHORT_OF_DAYS && are_dates(&column.values) => Some("d"),
-            step if step < 1.0 || self.guessed => None,
-            step if step < 1000.0 => Some("ms"),
-            _ => Some("us"),
-        };
-        if let Some(unit) = unit {
-            column.heading = column.heading.clone().with_unit(unit);
+        if self.counted {
+            return self;
         }
-        TimeColumn { unit_guessed: unit.is_some(), ..self }
+        let own = column.heading.unit.clone();
+        if let Some(said) = said {
+            column.heading = Heading { unit: None, ..column.heading.clone() }.with_unit(said);
+            return self;
+        }
+        let stated = self.stated.as_ref().and_then(|stated| unit_at(self.step, stated.rate));
+        let implausible = own.is_some() && self.step * factor(own.as_deref()) > SLOWEST;
+        if own.is_some() && !implausible {
+            return self;
+        }
+        // `seconds_elapsed`, `time ms since start`.
+        let word = column
+            .heading
+            .words()
+            .filter_map(normalized)
+            .find(|unit| UNITS.contains(&unit.as_str()) && unit != "s");
+        let seconds = column.heading.has_word(SECONDS).then(|| "s".to_owned());
+        if let (Some(unit), None) = (word.or(seconds), &own)
+            && self.step * factor(Some(&unit)) <= SLOWEST
+        {
+            column.heading = column.heading.clone().with_unit(&unit);
+            return self;
+        }
+        // Half a day between two rows is half a second.
+        let seconds = || Some("s").filter(|_| implausible && self.step < 1.0);
+        let unit = stated.or_else(|| plausible_unit(self.step, &column.values)).or_else(seconds);
+        let guessed = stated.is_none() && unit.is_some();
+        if let Some(unit) = unit {
+            column.heading = Heading { unit: None, ..column.heading.clone() }.with_unit(unit);
+        }
+        let implausible_unit = own.filter(|own| implausible && Some(own.as_str()) != unit);
+        TimeColumn { unit_guessed: guessed, implausible_unit, ..self }
+    }
+
+    /// What the user has to say if the heading's unit makes no record.
+    pub(crate) fn question(&self, table: &Table) -> Option<Question> {
+        let unit = self.implausible_unit.clone()?;
+        let heading = &table.columns[self.column].heading;
+        let taken = heading.unit.clone().unwrap_or_default();
+        Some(Question::TimeUnit { heading: heading.raw.clone(), unit, step: self.step, taken })
     }
 
     /// Ranges of rows in which time does not go back.
@@ -258,17 +371,37 @@ impl TimeColumn {
     }
 }
 
-/// Whether a heading names the time.
+/// Whether a heading names the time. One with the unit of something else is none: `T_Nm` is a torque.
 pub(crate) fn is_named_time(heading: &Heading) -> bool {
-    heading.quantity == Quantity::Time || heading.has_word(NAMES)
+    let free = matches!(heading.quantity, Quantity::Unknown | Quantity::Count);
+    heading.quantity == Quantity::Time || (free && heading.has_word(NAMES))
+}
+
+/// Whether a column is named as time. A `T` that does not grow is a torque.
+fn names_time(column: &Column) -> bool {
+    is_named_time(&column.heading) && (!column.heading.is_capital_t() || grows(column))
+}
+
+/// Whether a column is named as one that counts rows.
+fn counts_rows(column: &Column) -> bool {
+    column.heading.has_word(COUNTERS) && column.heading.quantity != Quantity::Time
+}
+
+/// Whether a column holds whole numbers in equal steps of one.
+fn is_count(column: &Column) -> bool {
+    is_whole(column) && column.values.windows(2).all(|w| w[1] - w[0] == 1.0)
 }
 
 /// Whether a column counts rows or holds time, and thus no motion.
 pub(crate) fn is_counter(column: &Column) -> bool {
     let even = || column.values.windows(3).all(|w| w[2] - w[1] == w[1] - w[0]);
-    let counter = column.heading.has_word(COUNTERS) || (is_whole(column) && even());
+    // An encoder counts too, in other steps.
+    let counter = match column.heading.quantity {
+        Quantity::Count => counts_rows(column) || is_count(column),
+        _ => column.heading.has_word(COUNTERS) || (is_whole(column) && even()),
+    };
     // Where the user says the rate, a column of times may be as wrong as it likes.
-    is_named_time(&column.heading) || (grows(column) && counter)
+    names_time(column) || (grows(column) && counter)
 }
 
 /// Whether a column would grow if its rows stood the other way round.
@@ -293,6 +426,7 @@ fn grows(column: &Column) -> bool {
     column.text_cells == 0 && up as f64 > 0.6 * count as f64 && (down as f64) < 0.02 * count as f64
 }
 
-fn is_whole(column: &Column) -> bool {
-    column.values.iter().all(|x| x.fract() == 0.0)
+/// Whether a column holds whole numbers alone.
+pub(crate) fn is_whole(column: &Column) -> bool {
+    column.values.iter().all(|x| x.is_nan() || x.fract() == 0.0)
 }

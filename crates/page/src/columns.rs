@@ -5,7 +5,8 @@ use crate::check::said;
 use phisindy::files::open_plain_file;
 use phisindy_expr::Span;
 use phisindy_import::{
-    Column, DataFile, Draft, Heading, Quantity, Table, accepted, spec_text, summary, table, unreadable,
+    Answers, Column, DataFile, Draft, Heading, NoDraft, NoTime, Quantity, Table, accepted, spec_text,
+    summary, table, unreadable,
 };
 use phisindy_phys::unit::Unit;
 use phisindy_phys::{Diagnostic, Sources};
@@ -33,7 +34,7 @@ const ROLES: &[Role] = &[
         words: "displacement, angle",
         heading: Some("position"),
         unit: "m",
-        quantities: &[Quantity::Length, Quantity::Angle],
+        quantities: &[Quantity::Length, Quantity::Angle, Quantity::Count],
     },
     Role {
         id: "velocity",
@@ -85,12 +86,27 @@ struct Said {
 /// `rate` is the number of rows per second, if the user says it.
 pub(crate) fn look(path: &Path, name: &str, wishes: &Value, rate: Option<f64>) -> Value {
     let mut sources = Sources::default();
-    let drafted = wished(wishes).and_then(|said| drafted(path, name, &said, rate, &mut sources));
+    let drafted =
+        wished(wishes).map_err(Refused::from).and_then(|said| drafted(path, name, &said, rate, &mut sources));
     match drafted {
         Ok((draft, all)) => described(&draft, &all, name),
-        Err(mistake) => {
-            json!({ "name": name, "roles": roles(), "diagnostics": said(&[*mistake], &sources, true) })
+        Err(Refused { mistake, lacks_rate }) => {
+            let diagnostics = said(&[*mistake], &sources, true);
+            json!({ "name": name, "roles": roles(), "diagnostics": diagnostics, "counted": lacks_rate })
         }
+    }
+}
+
+/// Why there is no draft.
+struct Refused {
+    mistake: Box<Diagnostic>,
+    /// Whether the rate of the rows would do.
+    lacks_rate: bool,
+}
+
+impl From<Box<Diagnostic>> for Refused {
+    fn from(mistake: Box<Diagnostic>) -> Refused {
+        Refused { mistake, lacks_rate: false }
     }
 }
 
@@ -122,14 +138,18 @@ fn drafted(
     said: &[Said],
     rate: Option<f64>,
     sources: &mut Sources,
-) -> Result<(Draft, Vec<String>), Box<Diagnostic>> {
+) -> Result<(Draft, Vec<String>), Refused> {
     let at = (sources.add("data", name), Span::new(0, name.len()));
     let opened = open_plain_file(path).and_then(|file| Ok((file.metadata()?.len(), file)));
     let (size, file) = opened.map_err(|why| Box::new(unreadable(name, at, &why)))?;
     let mut table = table(DataFile::new(name, file, size), None, at, sources)?;
     let all = table.columns.iter().map(|c| c.heading.raw.clone()).collect();
     assign(&mut table, said)?;
-    let draft = Draft::with_progress(table, rate, &|_| {}).map_err(|why| why.diagnostic(name, at))?;
+    let draft =
+        Draft::with_answers(table, &Answers { rate, ..Answers::default() }, &|_| {}).map_err(|why| {
+            let lacks_rate = matches!(why, NoDraft::Time(NoTime::NoRate { .. }));
+            Refused { mistake: why.diagnostic(name, at), lacks_rate }
+        })?;
     Ok((draft, all))
 }
 
@@ -279,8 +299,9 @@ mod tests {
         let path = folder.path().join("acc.csv");
         let rows: String = (0..400).map(|k| format!("{:.4}\n", (0.09 * f64::from(k)).sin())).collect();
         std::fs::write(&path, format!("acc (g)\n{rows}")).unwrap();
-        let guessed = look(&path, "acc.csv", &Value::Null, None);
-        assert!(guessed["counted"] == true && guessed["rate"] == 100.0, "{guessed}");
+        let asked = look(&path, "acc.csv", &Value::Null, None);
+        assert!(asked["counted"] == true && asked["spec"].is_null(), "{asked}");
+        assert!(asked["diagnostics"][0]["message"].as_str().unwrap().contains("How many rows"), "{asked}");
         let told = look(&path, "acc.csv", &Value::Null, Some(250.0));
         assert!(told["spec"].as_str().unwrap().contains("time: Rate(250.0)"), "{told}");
     }

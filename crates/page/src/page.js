@@ -70,7 +70,15 @@ function showColumns(look) {
   const mistakes = look.diagnostics.filter(d => d.error);
   $("data-mistake").textContent = mistakes.map(d => [d.message, ...d.help].join(" - ")).join("\n");
   $("write").disabled = mistakes.length > 0;
-  if (!look.columns) return;
+  if (!look.columns) {
+    // Nothing is invented: the rate is asked for.
+    if (look.counted) $("rate-row").hidden = false;
+    if (look.counted && !(page.look && page.look.name === look.name)) {
+      $("rate").value = "";
+      for (const id of ["summary", "curves", "columns"]) $(id).replaceChildren();
+    }
+    return;
+  }
   page.look = look;
   $("rate-row").hidden = !look.counted;
   $("rate").value = look.rate;

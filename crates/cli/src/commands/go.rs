@@ -29,10 +29,11 @@ pub(crate) fn command(args: &GoArgs, options: &Options) -> Result<u8> {
         say(options, &format!("{} is there and is used as it is", spec.display()));
     } else {
         say(options, &format!("looking at {}", args.path.display()));
-        let draft = NewArgs { path: args.path.clone(), sheet: args.sheet.clone(), rate: args.rate };
+        let draft = NewArgs { path: args.path.clone(), sheet: args.sheet.clone(), said: args.said.clone() };
         let quiet = Options { quiet: true, out: Some(spec.clone()), ..options.clone() };
         std::fs::create_dir_all(&out)?;
-        let code = new::command(&draft, &quiet)?;
+        // A search on what nobody knows would be one on an invention.
+        let code = new::written(&draft, &quiet, false)?;
         if code != 0 {
             // Only if there is nothing in it.
             let _ = std::fs::remove_dir(&out);

@@ -7,7 +7,9 @@ use crate::{draw, outdir};
 use anyhow::{Result, anyhow};
 use phisindy::files;
 use phisindy_expr::Span;
-use phisindy_import::{DataFile, Draft, accepted, next_step, spec_text, summary, table, unreadable};
+use phisindy_import::{
+    DataFile, Draft, Question, accepted, next_step, spec_text, summary, table, unreadable,
+};
 use phisindy_phys::{Diagnostic, Sources};
 use std::cell::RefCell;
 use std::fs::File;
@@ -19,6 +21,14 @@ use std::path::{Path, PathBuf};
 /// # Errors
 /// The spec cannot be written.
 pub(crate) fn command(args: &NewArgs, options: &Options) -> Result<u8> {
+    written(args, options, true)
+}
+
+/// The same; where questions are open and `open_questions` is false, it writes nothing and asks them.
+///
+/// # Errors
+/// The spec cannot be written.
+pub(crate) fn written(args: &NewArgs, options: &Options, open_questions: bool) -> Result<u8> {
     let out = options.out.as_deref().filter(|out| *out != Path::new("-"));
     // Checked before any work: an existing spec may contain hours of edits.
     if let Some(out) = out {
@@ -38,6 +48,12 @@ pub(crate) fn command(args: &NewArgs, options: &Options) -> Result<u8> {
             return Ok(INPUT);
         }
     };
+    if !open_questions && !draft.questions.is_empty() {
+        let name = args.path.display();
+        let ask = |q: &Question| Diagnostic::error(format!("`{name}`: {q}")).help(q.answer());
+        draw::show(draft.questions.iter().map(ask).collect::<Vec<_>>().iter(), &sources);
+        return Ok(INPUT);
+    }
     let file = args.path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
     let next = next_command(args, out);
     let text = spec_text(&draft, &file, &next);
@@ -78,7 +94,7 @@ fn drafted(args: &NewArgs, quiet: bool, sources: &mut Sources) -> Result<Draft, 
     let table = table(DataFile::new(&name, bytes, size), args.sheet.as_deref(), at, sources)?;
     progress.borrow_mut().doing("looking at the columns");
     let tell = |done: f64| progress.borrow_mut().at(READING + (1.0 - READING) * done);
-    Draft::with_progress(table, args.rate, &tell).map_err(|why| why.diagnostic(&name, at))
+    Draft::with_answers(table, &args.said.answers(), &tell).map_err(|why| why.diagnostic(&name, at))
 }
 
 /// The part of the work that is reading, as far as a bar needs it.

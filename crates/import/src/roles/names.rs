@@ -1,5 +1,13 @@
 //! Words in headings, by role.
 
+use crate::headings::{Heading, VELOCITIES};
+
+/// Whether a heading has a word of any role.
+pub(crate) fn is_word_of_a_role(heading: &Heading) -> bool {
+    let roles = [DISPLACEMENTS, OUTPUTS, BASES, ACCELERATIONS, FORCES, VELOCITIES];
+    roles.iter().any(|words| heading.has_word(words))
+}
+
 /// Words for a displacement or an angle.
 pub(super) const DISPLACEMENTS: &[&str] = &[
     "x",
@@ -28,7 +36,18 @@ pub(super) const DISPLACEMENTS: &[&str] = &[
     "response",
     "travel",
     "auslenkung",
+    "lage",
+    "hub",
+    "verschiebung",
+    "drehwinkel",
+    "enc",
+    "geber",
+    "drehgeber",
+    "resolver",
 ];
+/// Words for an encoder, which counts.
+pub(crate) const ENCODERS: &[&str] =
+    &["enc", "encoder", "geber", "drehgeber", "inkrementalgeber", "quad", "qei"];
 /// Words for a measured output.
 pub(super) const OUTPUTS: &[&str] = &["y", "out", "output", "response", "sensor", "measured"];
 /// Words for the motion of the base.
@@ -90,6 +109,7 @@ pub(super) const FORCES: &[&str] = &[
     "moment",
     "tau",
     "thrust",
+    "effort",
     "u",
     "in",
     "input",
@@ -101,4 +121,14 @@ pub(super) const FORCES: &[&str] = &[
     "current",
     "load",
     "vir",
+    "pwm",
+    "duty",
+    "amps",
+    "iq",
+    "spannung",
+    "strom",
+    "drehmoment",
+    "antrieb",
+    "stellgröße",
+    "stellgroesse",
 ];

@@ -1,8 +1,8 @@
 //! Separator and decimal mark of a text file.
 
 use crate::clock::is_stamp;
+use crate::headings::{is_beside_units, is_unit};
 use crate::rows::line::Line;
-use phisindy_phys::unit::Unit;
 use std::borrow::Cow;
 use std::ops::Range;
 
@@ -158,13 +158,9 @@ pub(crate) fn is_infinite(text: &str) -> bool {
 
 /// Whether a line is a second heading that holds only units: `s;mm;N` or `[s];[mm];[N]`.
 pub(crate) fn is_units_row(dialect: &Dialect, line: &str) -> bool {
-    let fields = dialect.fields(line);
-    let units = fields.iter().filter(|field| {
-        let text = dialect.unquoted(line, field);
-        let plain = text.trim_matches(['[', ']', '(', ')', ' ']);
-        !plain.is_empty() && !looks_like_number(plain) && Unit::parse(plain).is_ok()
-    });
-    let blank = |field: &&Range<usize>| matches!(&line[(*field).clone()], "" | "-" | "[-]" | "[]" | "()");
-    let units = units.count();
-    units > 0 && units + fields.iter().filter(blank).count() == fields.len()
+    let cells = dialect.cells(line);
+    let number = |cell: &&String| looks_like_number(cell.trim_matches(['[', ']', '(', ')', ' ']));
+    let units = cells.iter().filter(|cell| is_unit(cell) && !number(cell)).count();
+    let beside = |cell: &&String| !is_unit(cell) && is_beside_units(cell);
+    units > 0 && units + cells.iter().filter(beside).count() == cells.len()
 }

@@ -1,12 +1,13 @@
 //! The header of a text file: its dialect, and the names and units of its columns.
 
-use super::dialect::{Dialect, is_units_row, looks_like_number};
+use super::comment;
+use super::dialect::{Dialect, is_missing, is_units_row, looks_like_number};
 use super::line::{Line, LineError};
 use super::lines::Lines;
 use crate::cell::SEPARATOR;
 use std::ops::Range;
 
-/// The content of the first two lines.
+/// The content of the first two lines, and the heading behind a comment sign above them.
 pub(super) struct Header {
     /// Separator and decimal mark.
     pub(super) dialect: Dialect,
@@ -14,6 +15,8 @@ pub(super) struct Header {
     pub(super) names: Vec<String>,
     /// The heading line and its fields, if there is one.
     pub(super) heading: Option<(Line, Vec<Range<usize>>)>,
+    /// Whether the heading stands behind a comment sign.
+    pub(super) commented: bool,
     /// Columns without a name in the heading line, counted from 0.
     pub(super) unnamed: Vec<usize>,
     /// Cells of a second heading line that holds only units.
@@ -44,18 +47,61 @@ impl Header {
             Dialect::guess(separator, decimal, &first.text, second.as_ref().map(|l| l.text.as_str()));
         let fields = dialect.fields(&first.text);
         let mut cells = dialect.cells(&first.text);
-        let has_header = header.unwrap_or_else(|| cells.iter().any(|f| !looks_like_number(f)));
+        // A value may be missing in the first row.
+        let no_number = |f: &String| !looks_like_number(f) && !is_missing(f);
+        let all_missing = cells.iter().all(|f| is_missing(f));
+        let has_header = header.unwrap_or_else(|| cells.iter().any(no_number) || all_missing);
         if !has_header {
-            let names = (1..=fields.len()).map(|k| k.to_string()).collect();
+            let known: Vec<Line> =
+                lines.comments().iter().filter(|c| c.number < first.number).cloned().collect();
+            // `header: false` numbers the columns, whatever stands above them.
+            let wanted = header.is_none() && first.number > 0;
+            let found = wanted.then(|| comment::heading(&dialect, fields.len(), &known)).flatten();
+            let numbers = (1..=fields.len()).map(|k| k.to_string()).collect();
             let rows = [Some(first), second].into_iter().flatten().collect();
-            return Ok(Some(Header { dialect, names, heading: None, unnamed: vec![], units: None, rows }));
+            return Ok(Some(match found {
+                Some(found) => {
+                    let (names, unnamed) = named(found.names);
+                    let heading = Some((found.line, found.fields));
+                    Header { dialect, names, heading, commented: true, unnamed, units: found.units, rows }
+                }
+                None => Header {
+                    dialect,
+                    names: numbers,
+                    heading: None,
+                    commented: false,
+                    unnamed: vec![],
+                    units: None,
+                    rows,
+                },
+            }));
         }
-        let unnamed: Vec<usize> = (0..cells.len()).filter(|&k| cells[k].is_empty()).collect();
-        unnamed.iter().for_each(|&k| cells[k] = (k + 1).to_string());
+        // Commas between the names and blanks between the numbers.
+        let mut fields = fields;
+        if dialect.separator.is_none() && comment::has_marks(&cells) {
+            let marks = [',', ';'].map(|mark| Dialect { separator: Some(mark), decimal: None });
+            if let Some((places, names)) = marks.iter().find_map(|d| comment::split(d, cells.len(), &first)) {
+                (fields, cells) = (places, names);
+            }
+        }
+        let units_behind_a_sign = || {
+            let below = lines.comments().iter().find(|c| c.number > first.number)?;
+            comment::units(&dialect, cells.len(), below)
+        };
         let (units, rows) = match second {
             Some(line) if is_units_row(&dialect, &line.text) => (Some(dialect.cells(&line.text)), vec![]),
-            other => (None, other.into_iter().collect()),
+            other => (units_behind_a_sign(), other.into_iter().collect()),
         };
-        Ok(Some(Header { dialect, names: cells, heading: Some((first, fields)), unnamed, units, rows }))
+        let (names, unnamed) = named(std::mem::take(&mut cells));
+        let heading = Some((first, fields));
+        Ok(Some(Header { dialect, names, heading, commented: false, unnamed, units, rows }))
     }
+}
+
+/// The number of a column, counted from 1, in the place of a name that is missing; and which columns these
+/// are, counted from 0.
+fn named(mut names: Vec<String>) -> (Vec<String>, Vec<usize>) {
+    let unnamed: Vec<usize> = (0..names.len()).filter(|&k| names[k].is_empty()).collect();
+    unnamed.iter().for_each(|&k| names[k] = (k + 1).to_string());
+    (names, unnamed)
 }

@@ -1,5 +1,7 @@
-//! Numbered lines of a data file, without comments, empty lines and the byte order mark.
+//! Numbered lines of a data file, without comments, empty lines and the byte order mark. The comments of its
+//! beginning are kept aside: they may hold the heading and the rate.
 
+use super::comment::is_comment;
 use super::encoding::{Decoded, is_utf16, is_utf32, text};
 use super::line::{Line, LineError};
 use crate::data_file::DataFile;
@@ -10,6 +12,12 @@ use std::io::{self, BufRead, BufReader, Read};
 
 /// Most bytes of a line; longer ones belong to no table.
 const LONGEST: usize = 1 << 20;
+
+/// Comments are kept as long as fewer lines with content were read, and so many of them at most.
+const BEGINNING: usize = 100;
+const MOST_COMMENTS: usize = 400;
+/// Most bytes of a comment that is kept.
+const LONGEST_COMMENT: usize = 1 << 16;
 
 /// Reads the lines of a file in order.
 pub(crate) struct Lines<'a> {
@@ -23,6 +31,9 @@ pub(crate) struct Lines<'a> {
     /// Bytes of the text so far, and of the whole file.
     read: u64,
     size: u64,
+    /// Number of lines with content so far, and the comments between the first of them.
+    contents: usize,
+    comments: Vec<Line>,
 }
 
 enum Input<'a> {
@@ -57,7 +68,17 @@ impl<'a> Lines<'a> {
         // Programs of old Macintoshes, and some instruments, end lines by a carriage return alone.
         let has = |byte: u8| start.contains(&byte);
         let end = if has(b'\r') && !has(b'\n') { b'\r' } else { b'\n' };
-        Ok(Lines { input, buffer: vec![], number: 0, end, skip, read: 0, size })
+        Ok(Lines {
+            input,
+            buffer: vec![],
+            number: 0,
+            end,
+            skip,
+            read: 0,
+            size,
+            contents: 0,
+            comments: vec![],
+        })
     }
 
     /// Starts again, after the first `skip` lines.
@@ -68,7 +89,7 @@ impl<'a> Lines<'a> {
             }
             Input::Sheet(sheet, _) => Input::Sheet(sheet, 0),
         };
-        Ok(Lines { input, number: 0, skip, read: 0, ..self })
+        Ok(Lines { input, number: 0, skip, read: 0, contents: 0, comments: vec![], ..self })
     }
 
     /// The table in the file, if that is no text.
@@ -88,6 +109,16 @@ impl<'a> Lines<'a> {
         (read / all.max(1.0)).clamp(0.0, 1.0)
     }
 
+    /// The comments between the first lines of content, in order.
+    pub(crate) fn comments(&self) -> &[Line] {
+        &self.comments
+    }
+
+    /// Whether a comment in the file's beginning is kept.
+    fn keeps(&self, bytes: usize) -> bool {
+        self.contents < BEGINNING && self.comments.len() < MOST_COMMENTS && bytes <= LONGEST_COMMENT
+    }
+
     /// The next line that is neither empty nor a comment.
     pub(crate) fn next(&mut self) -> Result<Option<Line>, LineError> {
         loop {
@@ -96,9 +127,16 @@ impl<'a> Lines<'a> {
                 Input::Sheet(sheet, read) => {
                     let Some(line) = sheet.line(*read) else { return Ok(None) };
                     *read += 1;
-                    if line.number > 0 && (line.number <= self.skip || line.text.starts_with(['#', '%'])) {
+                    if line.number > 0 && line.number <= self.skip {
                         continue;
                     }
+                    if line.number > 0 && is_comment(line.text.as_bytes()) {
+                        if self.keeps(line.text.len()) {
+                            self.comments.push(line);
+                        }
+                        continue;
+                    }
+                    self.contents += 1;
                     return Ok(Some(line));
                 }
             };
@@ -123,14 +161,21 @@ impl<'a> Lines<'a> {
             while matches!(self.buffer.last(), Some(b'\n' | b'\r')) {
                 self.buffer.pop();
             }
-            let first = self.buffer.iter().find(|b| !b.is_ascii_whitespace());
-            if matches!(first, None | Some(b'#' | b'%')) {
+            if self.buffer.trim_ascii_start().is_empty() {
+                continue;
+            }
+            if is_comment(&self.buffer) {
+                if self.keeps(self.buffer.len()) {
+                    let text = text(&self.buffer).replace('\0', " ");
+                    self.comments.push(Line { text, number: self.number, ended });
+                }
                 continue;
             }
             if let Some(zero) = self.buffer.iter().position(|b| *b == 0) {
                 return Err(LineError::NotText(text(&self.buffer[..zero]).into_owned(), self.number));
             }
             let text = text(&self.buffer).into_owned();
+            self.contents += 1;
             return Ok(Some(Line { text, number: self.number, ended }));
         }
     }

@@ -95,12 +95,17 @@ struct Layout {
 impl Layout {
     /// Finds each column in the heading.
     fn of(csv: &CsvSpec, header: &Header, mistakes: &mut Mistakes<'_>) -> Result<Layout, Vec<Diagnostic>> {
-        let (names, header) = (&header.names, header.heading.as_ref());
+        let (names, commented, header) = (&header.names, header.commented, header.heading.as_ref());
         let mut wrong = Vec::new();
+        let number = |text: &Text| text.value.parse::<usize>().ok();
         let mut find = |text: &Text| {
             let mut same = (0..names.len()).filter(|&k| names[k] == text.value);
             match (same.next(), same.next(), header) {
                 (Some(k), None, _) => return k,
+                // Behind a comment sign stands perhaps no heading: the columns keep their numbers.
+                (None, ..) if commented && number(text).is_some_and(|k| (1..=names.len()).contains(&k)) => {
+                    return number(text).map_or(0, |k| k - 1);
+                }
                 (Some(a), Some(b), Some((line, fields))) => {
                     wrong.push(mistakes.duplicate_column(text, line, fields[a].clone(), fields[b].clone()));
                 }

@@ -11,6 +11,7 @@ use crate::data_file::{DataFile, unreadable};
 use crate::headings::Heading;
 use crate::refusal::Wanted;
 use crate::spec_text::quoted;
+use crate::stated_rate::{StatedRate, rate_of_column, stated_rate};
 use crate::table::{Column, Table};
 use phisindy_expr::Span;
 use phisindy_phys::{Diagnostic, SourceId, Sources};
@@ -40,7 +41,7 @@ pub fn table(
     if lines.sheet().is_some() {
         mistakes.line = "row";
     }
-    let skip = preamble(&mut lines);
+    let (skip, beginning) = preamble(&mut lines);
     let mut lines = lines.restarted(skip).map_err(|e| unreadable(name, at, &e))?;
     let header = match Header::read(&mut lines, None, None, None) {
         Ok(Some(header)) => header,
@@ -85,7 +86,13 @@ pub fn table(
         .iter()
         .map(|k| format!("column {} has no heading: its number is its name", k + 1))
         .collect();
-    let table = Table { columns, row_numbers, fraction_read, ..Table::default() };
+    let last = row_numbers.first().copied().unwrap_or(usize::MAX);
+    let stated = beginning.iter().filter(|line| line.number < last);
+    let mut stated_rates: Vec<StatedRate> =
+        stated.filter_map(|line| stated_rate(&line.text.replace(SEPARATOR, " "), line.number)).collect();
+    let of_columns = columns.iter().filter_map(|c: &Column| rate_of_column(&c.heading, &c.values, last));
+    stated_rates.extend(of_columns);
+    let table = Table { columns, row_numbers, fraction_read, stated_rates, ..Table::default() };
     Ok(match lines.sheet() {
         None => {
             let record_fields = record_fields(&header.dialect, rows.comma, rows.has_header, skip);
@@ -212,11 +219,12 @@ fn record_fields(dialect: &Dialect, comma: bool, has_header: bool, skip: usize) 
 /// Number of lines in which the heading is searched.
 const START: usize = 100;
 
-/// Number of lines before the heading, which is the last line of words above the first rows of numbers.
-fn preamble(lines: &mut Lines<'_>) -> usize {
+/// Number of lines before the heading, which is the last line of words above the first rows of numbers; and
+/// the first lines of the file, with the comments between them.
+fn preamble(lines: &mut Lines<'_>) -> (usize, Vec<Line>) {
     let separator = match lines.sheet() {
         // Nothing stands before the names of columns that are stored one by one.
-        Some(sheet) if sheet.heading().is_some() => return 0,
+        Some(sheet) if sheet.heading().is_some() => return (0, vec![]),
         Some(_) => Some(SEPARATOR),
         None => None,
     };
@@ -224,13 +232,23 @@ fn preamble(lines: &mut Lines<'_>) -> usize {
     while let (true, Ok(Some(line))) = (start.len() < START, lines.next()) {
         start.push(line);
     }
-    let [.., before, last] = start.as_slice() else { return 0 };
+    let skip = words_before(&start, separator);
+    let comments = lines.comments().iter().cloned();
+    (skip, start.into_iter().chain(comments).collect())
+}
+
+/// Number of lines of words before the heading.
+fn words_before(start: &[Line], separator: Option<char>) -> usize {
+    let [.., before, last] = start else { return 0 };
     let dialect = Dialect::guess(separator, None, &before.text, Some(&last.text));
     let width = dialect.fields(&last.text).len();
+    // Behind a trailing separator a value may be missing, in all rows but the first ones.
+    let trailing = dialect.fields_of(last, width + 1).len() == width + 1;
+    let fits = |count: usize| count == width || (trailing && count == width + 1);
     let numbers = |line: &Line| {
         let fields = dialect.fields(&line.text);
         let good = fields.iter().filter(|f| looks_like_number(&dialect.unquoted(&line.text, f))).count();
-        fields.len() == width && 2 * good > width
+        fits(fields.len()) && 2 * good > width
     };
     // A preamble may hold numbers too, but they do not fill all following lines.
     let Some(words) = start.iter().rposition(|line| !numbers(line)) else { return 0 };
@@ -239,7 +257,7 @@ fn preamble(lines: &mut Lines<'_>) -> usize {
     let names = dialect.fields(&start[heading].text).len();
     // Of a comma in every number each name has two fields; the first row is refused then.
     let halved = names > 1 && (names + 1..=2 * names).contains(&width);
-    let is_heading = names == width || (halved && dialect.may_split_decimals(&last.text));
+    let is_heading = fits(names) || (halved && dialect.may_split_decimals(&last.text));
     match is_heading && words + 3 < start.len() {
         true if heading > 0 => start[heading].number - 1,
         // Lines of words above numbers without heading.

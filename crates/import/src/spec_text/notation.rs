@@ -32,8 +32,11 @@ impl Notation {
         let own = heading(draft.moving());
         let (displacement, velocity) = if draft.roles.is_angle { ("theta", "w") } else { ("x", "v") };
         let displacement_unit = match own.quantity {
-            Quantity::Electric | Quantity::Other if draft.roles.displacement.is_some() => {
+            Quantity::Electric | Quantity::Count | Quantity::Other if draft.roles.displacement.is_some() => {
                 own.unit.clone().unwrap_or_default()
+            }
+            Quantity::Count | Quantity::Other => {
+                integral_unit(draft, own.unit.as_deref().unwrap_or_default())
             }
             _ if draft.roles.is_angle => "rad".to_owned(),
             _ => "m".to_owned(),
@@ -79,5 +82,19 @@ impl Notation {
             input_unit,
             gain_unit,
         }
+    }
+}
+
+/// The unit of a displacement whose velocity or acceleration is read in another unit than those of lengths and
+/// angles: `count` for `count/s`.
+fn integral_unit(draft: &Draft, unit: &str) -> String {
+    let (per, times) = match draft.roles.velocity {
+        Some(_) => ("/s", "*s"),
+        None => ("/s^2", "*s^2"),
+    };
+    match unit.strip_suffix(per) {
+        Some(own) => own.to_owned(),
+        None if unit.contains('/') => format!("({unit}){times}"),
+        None => format!("{unit}{times}"),
     }
 }

@@ -2,6 +2,7 @@
 
 use super::literals::four_digits;
 use crate::draft::Draft;
+use crate::question::Question;
 use crate::roles::Input;
 use std::fmt::Write;
 
@@ -11,7 +12,9 @@ pub(super) fn head(draft: &Draft, file: &str, next: &str) -> Vec<String> {
         "Written by `phisindy new {file}`. Look at the lines marked EDIT, then type: phisindy {} {next}",
         super::next_step(draft)
     );
-    let mut lines = vec![first, String::new(), sampling(draft, file), String::new()];
+    let asked = |question: &Question| format!("QUESTION: {question} ({})", question.edit());
+    let mut lines: Vec<String> = draft.questions.iter().map(asked).collect();
+    lines.extend([first, String::new(), sampling(draft, file), String::new()]);
     lines.extend(columns(draft));
     lines.push(String::new());
     lines.push(standstill(draft));
@@ -131,6 +134,12 @@ fn sampling(draft: &Draft, file: &str) -> String {
     text + "."
 }
 
+/// The text with a capital letter, as a sentence.
+fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+}
+
 /// A few lines on the file and on the roles of its columns.
 pub fn summary(draft: &Draft, file: &str) -> Vec<String> {
     let named = |c: usize| format!("`{}`", draft.raw(c));
@@ -148,5 +157,7 @@ pub fn summary(draft: &Draft, file: &str) -> Vec<String> {
     });
     let mut lines = vec![sampling(draft, file), format!("taken for {}", taken.join(", "))];
     lines.extend(draft.remarks.iter().map(|remark| format!("note: {remark}")));
+    let asked = |question: &Question| format!("question: {question} {}", capital(&question.answer()));
+    lines.extend(draft.questions.iter().map(asked));
     lines
 }

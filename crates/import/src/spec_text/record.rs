@@ -88,26 +88,29 @@ fn column(draft: &Draft, c: usize) -> String {
 }
 
 /// The time column, and a comment on what to check there.
-fn time(draft: &Draft) -> (String, &'static str) {
+fn time(draft: &Draft) -> (String, String) {
     let time = &draft.time;
     if time.counted {
-        let remark = match time.coarse {
+        let remark = match (&time.coarse, &time.stated) {
             _ if time.told => "",
-            Some(_) => {
+            (Some(_), _) => {
                 " // EDIT: counted from the stamps, which are coarser than the rows: is this the exact rate?"
             }
-            None => " // EDIT: no column is time: how many rows per second? The windows change with it",
+            (None, _) => " // as the header of the file says",
         };
-        return (format!("Rate({:?})", time.rate), remark);
+        return (format!("Rate({:?})", time.rate), remark.to_owned());
     }
-    let has_unit = draft.table.columns[time.column].heading.unit.is_some();
-    let remark = match (time.guessed, has_unit) {
-        (true, _) => " // EDIT: no heading says which column is time, and in which unit (taken: s)",
-        (false, false) => {
-            " // EDIT: the heading gives no unit of time (taken: s; else `time: (\"t\", \"ms\")`)"
+    let unit = draft.table.columns[time.column].heading.unit.as_deref();
+    let remark = match (time.guessed, unit) {
+        (true, unit) => {
+            let unit = unit.unwrap_or("s");
+            format!(" // EDIT: no heading says which column is time, and in which unit (taken: {unit})")
         }
-        (false, true) if time.unit_guessed => " // EDIT: the unit of time is a guess",
-        (false, true) => "",
+        (false, None) => {
+            " // EDIT: the heading gives no unit of time (taken: s; else `time: (\"t\", \"ms\")`)".to_owned()
+        }
+        (false, Some(_)) if time.unit_guessed => " // EDIT: the unit of time is a guess".to_owned(),
+        (false, Some(_)) => String::new(),
     };
     (column(draft, time.column), remark)
 }

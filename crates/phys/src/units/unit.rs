@@ -57,8 +57,8 @@ impl Unit {
     /// The plain number.
     pub const ONE: Unit = Unit { factor: 1.0, dimension: Dimension::NONE };
 
-    /// Reads units joined by `*` and `/`, each with an optional power (`^2`, `^-1`, `^0.5`, `^(1/3)`);
-    /// brackets group, `1` and the empty text are the plain number.
+    /// Reads units joined by `*` and `/`, each with an optional power (`^2`, `^-1`, `^0.5`, `^(1/3)`, `²`);
+    /// brackets group, a number scales (`rev/4096`), `1` and the empty text are the plain number.
     ///
     /// # Errors
     /// The first mistake with its place.
@@ -74,6 +74,9 @@ impl Unit {
                 if c == ')' { "no bracket is open here" } else { "join units with `*` or `/`, as in N*s/m" };
             return Err(parser.error(parser.at, parser.at + c.len_utf8(), format!("unexpected `{c}`"), help));
         }
+        if !unit.factor.is_normal() {
+            return Err(parser.error(0, text.len(), "the numbers of this unit are out of range", ""));
+        }
         Ok(unit)
     }
 
@@ -84,6 +87,15 @@ impl Unit {
     fn over(self, other: Unit) -> Unit {
         Unit { factor: self.factor / other.factor, dimension: self.dimension.div(other.dimension) }
     }
+}
+
+/// Raised digits and the raised minus, in the order of `0123456789-`.
+const RAISED: [char; 11] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹', '⁻'];
+
+/// A number that scales a unit.
+fn scale(name: &str) -> Option<f64> {
+    let digits = name.starts_with(|c: char| c.is_ascii_digit());
+    name.parse::<f64>().ok().filter(|x| digits && *x > 0.0 && x.is_finite())
 }
 
 struct Parser<'t> {
@@ -131,10 +143,11 @@ impl<'t> Parser<'t> {
             Some(_) => self.group(start)?,
             None => self.name()?,
         };
-        if self.take(&['^']).is_none() {
-            return Ok(base);
-        }
-        let exponent = self.exponent()?;
+        let exponent = match self.raised() {
+            Some(exponent) => exponent,
+            None if self.take(&['^']).is_none() => return Ok(base),
+            None => self.exponent()?,
+        };
         let (factor, dimension) = (base.factor.powf(exponent), base.dimension.pow(exponent));
         match dimension {
             Some(dimension) if factor.is_finite() && factor > 0.0 => Ok(Unit { factor, dimension }),
@@ -163,12 +176,13 @@ impl<'t> Parser<'t> {
     fn name(&mut self) -> Result<Unit, UnitError> {
         let start = self.at;
         let rest = self.rest();
-        let ends = |c: char| !(c.is_alphanumeric() || matches!(c, '%' | '°' | '_' | '.'));
+        let ends =
+            |c: char| !(c.is_alphanumeric() || matches!(c, '%' | '°' | '_' | '.')) || RAISED.contains(&c);
         let name = &rest[..rest.find(ends).unwrap_or(rest.len())];
         self.at += name.len();
         self.space();
-        if name == "1" {
-            return Ok(Unit::ONE);
+        if let Some(factor) = scale(name) {
+            return Ok(Unit { factor, ..Unit::ONE });
         }
         if name.is_empty() {
             let end = start + rest.chars().next().map_or(0, char::len_utf8);
@@ -180,7 +194,7 @@ impl<'t> Parser<'t> {
             let help = match name {
                 "degC" | "°C" | "C°" | "degF" | "°F" => "temperatures are in K".into(),
                 _ if name.starts_with(|c: char| c.is_ascii_digit()) => {
-                    "a number cannot be part of a unit".into()
+                    "a number in a unit is positive and stands alone: rev/4096, 0.5*mm".into()
                 }
                 _ => match nearest(name, table::names()) {
                     Some(near) => format!("did you mean `{near}`?"),
@@ -191,6 +205,19 @@ impl<'t> Parser<'t> {
             };
             self.error(start, end, format!("unknown unit `{name}`"), &help)
         })
+    }
+
+    /// A power in raised digits, as in `m/s²` and `s⁻¹`; none if there is none, or too many digits.
+    fn raised(&mut self) -> Option<f64> {
+        let rest = self.rest();
+        let end = rest.find(|c| !RAISED.contains(&c)).unwrap_or(rest.len());
+        let digit = |c| RAISED.iter().position(|r| *r == c);
+        let plain: String =
+            rest[..end].chars().filter_map(digit).filter_map(|k| "0123456789-".chars().nth(k)).collect();
+        let power = plain.parse::<i8>().ok()?;
+        self.at += end;
+        self.space();
+        Some(f64::from(power))
     }
 
     /// What stands after `^`: a number, or two of them as `(1/3)`.
@@ -281,6 +308,17 @@ mod tests {
         check("m^0.5", 1.0, "m^(1/2)");
         check("mm^(1/3)", 0.1, "m^(1/3)");
         check("m / s", 1.0, "m/s");
+        check("m/s²", 1.0, "m/s^2");
+        check("N m⁻¹".replace(' ', "*").as_str(), 1.0, "N/m");
+        check("kg*m²/s²", 1.0, "N*m");
+        check("mNm", 1e-3, "N*m");
+        check("psi", 6_894.757_293_168, "N/m^2");
+        check("inch", 0.0254, "m");
+        check("turn", 2.0 * std::f64::consts::PI, "1");
+        check("count", 1.0, "1");
+        check("rev/4096", 2.0 * std::f64::consts::PI / 4096.0, "1");
+        check("0.5*mm", 0.5e-3, "m");
+        check("mm/200", 5e-6, "m");
     }
 
     #[test]
@@ -302,7 +340,11 @@ mod tests {
         check("m^99999", 0..7, "out of range", "");
         check("(m", 0..1, "never closed", "");
         check("m)", 1..2, "unexpected `)`", "open");
-        check("2*m", 0..1, "unknown unit `2`", "number");
+        check("2m", 0..2, "unknown unit `2m`", "stands alone");
+        check("rev/0", 4..5, "unknown unit `0`", "positive");
+        check("1e300*1e300*m", 0..13, "out of range", "");
+        check("rev/1e400", 4..9, "unknown unit `1e400`", "positive");
+        check("m⁻", 1..4, "unexpected", "");
         check("°C", 0..3, "unknown unit", "K");
         check(&"(".repeat(1000), 16..17, "too many", "");
     }

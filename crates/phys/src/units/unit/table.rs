@@ -10,6 +10,7 @@ type Row = (&'static str, f64, [i8; 5], bool);
 const UNITS: &[Row] = &[
     ("m",    1.0,          [0, 1, 0, 0, 0],   true),
     ("in",   0.0254,       [0, 1, 0, 0, 0],   false),
+    ("inch", 0.0254,       [0, 1, 0, 0, 0],   false),
     ("ft",   0.3048,       [0, 1, 0, 0, 0],   false),
     ("g",    1e-3,         [1, 0, 0, 0, 0],   true),
     ("t",    1e3,          [1, 0, 0, 0, 0],   false),
@@ -25,12 +26,18 @@ const UNITS: &[Row] = &[
     ("deg",  PI / 180.0,   [0, 0, 0, 0, 0],   false),
     ("°",    PI / 180.0,   [0, 0, 0, 0, 0],   false),
     ("rev",  2.0 * PI,     [0, 0, 0, 0, 0],   false),
+    ("turn", 2.0 * PI,     [0, 0, 0, 0, 0],   false),
+    // What an encoder or a converter counts, before anybody says how much of what that is.
+    ("count", 1.0,         [0, 0, 0, 0, 0],   false),
     ("%",    1e-2,         [0, 0, 0, 0, 0],   false),
     ("N",    1.0,          [1, 1, -2, 0, 0],  true),
     ("lbf",  4.448_221_615_260_5, [1, 1, -2, 0, 0], false),
+    ("kgf",  9.806_65,     [1, 1, -2, 0, 0],  false),
+    ("Nm",   1.0,          [1, 2, -2, 0, 0],  true),
     // Standard gravity, in which accelerometers count; `g` is the gram.
     ("gn",   9.806_65,     [0, 1, -2, 0, 0],  true),
     ("Pa",   1.0,          [1, -1, -2, 0, 0], true),
+    ("psi",  6_894.757_293_168, [1, -1, -2, 0, 0], false),
     ("bar",  1e5,          [1, -1, -2, 0, 0], true),
     ("J",    1.0,          [1, 2, -2, 0, 0],  true),
     ("W",    1.0,          [1, 2, -3, 0, 0],  true),

@@ -1,0 +1,160 @@
+//! Questions that a data file leaves open, and the answers of the user.
+
+use crate::headings::{ACCELERATIONS, Heading, Quantity};
+use std::fmt;
+
+/// What a draft has to know and the file does not say. A search before it is answered would be one on an
+/// invention.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Question {
+    /// The motion is counted: how many are a turn or a length?
+    Counts {
+        /// Heading of the column.
+        heading: String,
+        /// What it counts.
+        of: Counted,
+    },
+    /// No heading tells which of these columns moves and which drives.
+    Columns {
+        /// Their headings, or numbers.
+        headings: Vec<String>,
+        /// Number of columns of the file.
+        all: usize,
+    },
+    /// The unit in the heading of the time makes no record of a motion.
+    TimeUnit {
+        /// Heading of the column.
+        heading: String,
+        /// The unit that it states.
+        unit: String,
+        /// Median step, as a number in the file.
+        step: f64,
+        /// The unit that the draft takes.
+        taken: String,
+    },
+}
+
+/// What is counted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Counted {
+    /// Turns or lengths.
+    Motion {
+        /// Whether the file says that these are counts; else they are whole numbers without a unit.
+        said: bool,
+    },
+    /// The acceleration of a sensor.
+    Acceleration,
+}
+
+impl fmt::Display for Question {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Question::Counts { heading, of: Counted::Acceleration } => {
+                write!(f, "`{heading}` counts: how many counts are the acceleration of gravity?")
+            }
+            Question::Counts { heading, of: Counted::Motion { said } } => {
+                let what = if *said { "counts" } else { "has whole numbers and no unit" };
+                write!(f, "`{heading}` {what}: how many counts are a turn or a millimetre?")
+            }
+            Question::Columns { headings, .. } => {
+                let list = headings.iter().take(MOST_SHOWN).map(|h| format!("`{h}`"));
+                let more = if headings.len() > MOST_SHOWN { ", ..." } else { "" };
+                let list = list.collect::<Vec<_>>().join(", ");
+                write!(f, "no heading says what {list}{more} are: which one moves, and what drives it?")
+            }
+            Question::TimeUnit { heading, unit, step, taken } => write!(
+                f,
+                "the heading `{heading}` says {unit}, and steps of {step} {unit} make no record of a motion: \
+                 is it {taken}?"
+            ),
+        }
+    }
+}
+
+impl Question {
+    /// How to answer on the command line.
+    pub fn answer(&self) -> String {
+        match self {
+            Question::Counts { of: Counted::Acceleration, .. } => {
+                "say `--counts 16384/gn`, with the number of your sensor".to_owned()
+            }
+            Question::Counts { .. } => {
+                "say `--counts 4096/rev` or `--counts 200/mm`, with the numbers of your rig".to_owned()
+            }
+            Question::Columns { all, .. } => format!(
+                "say `--columns time_s,x_mm,F_N`, a name with its unit for each of the {all} columns, \
+                 and `-` for one that is not used"
+            ),
+            Question::TimeUnit { .. } => {
+                "say `--time-unit us` (or s, ms, ns, min, h), or correct the heading".to_owned()
+            }
+        }
+    }
+
+    /// How to answer in the spec of the draft.
+    pub(crate) fn edit(&self) -> String {
+        match self {
+            Question::Counts { heading, of: Counted::Acceleration } => {
+                format!("write `(\"{heading}\", \"gn/16384\")` and states in m; as it is all is in counts")
+            }
+            Question::Counts { heading, .. } => format!(
+                "write `(\"{heading}\", \"rev/4096\")` for 4096 counts a turn and the state in rad, \
+                 or `\"mm/200\"` and m; as it is all is in counts"
+            ),
+            Question::Columns { .. } => {
+                "it is drafted as free, with the first of them as the motion".to_owned()
+            }
+            Question::TimeUnit { taken, .. } => {
+                format!("the records take {taken}; write the right unit there, and the windows in seconds")
+            }
+        }
+    }
+}
+
+/// Most headings in a question.
+const MOST_SHOWN: usize = 6;
+
+/// What the user says of a file beside what it holds.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Answers {
+    /// Rows per second, in the place of times.
+    pub rate: Option<f64>,
+    /// Names of the columns, with their units, in the place of their headings: in order, `-` for one that is
+    /// not used. None: the headings of the file.
+    pub columns: Vec<String>,
+    /// The unit of the time.
+    pub time_unit: Option<String>,
+    /// What a count is.
+    pub counts: Vec<CountUnit>,
+}
+
+/// What a count of an encoder is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CountUnit {
+    /// Heading of the column; none for all that count.
+    pub heading: Option<String>,
+    /// The unit of a count, as specs write it: `rev/4096`.
+    pub unit: String,
+}
+
+impl Answers {
+    /// The unit of the counts of a column, if it is said of this one.
+    pub(crate) fn own_unit_of(&self, heading: &Heading) -> Option<&str> {
+        let own = self.counts.iter().find(|c| c.heading.as_deref() == Some(heading.raw.as_str()));
+        own.map(|c| c.unit.as_str())
+    }
+
+    /// The unit of the counts of a motion, if it is said: of this column, or of all whose kind it fits.
+    pub(crate) fn unit_of(&self, heading: &Heading) -> Option<&str> {
+        let general = || self.counts.iter().find(|c| c.heading.is_none() && c.fits(heading));
+        self.own_unit_of(heading).or_else(|| general().map(|c| c.unit.as_str()))
+    }
+}
+
+impl CountUnit {
+    /// Whether a column may count that: an accelerometer gravities, an encoder turns or lengths.
+    fn fits(&self, heading: &Heading) -> bool {
+        let accelerates = Heading::parse(&format!("x [{}]", self.unit)).quantity == Quantity::Acceleration;
+        accelerates == heading.has_word(ACCELERATIONS)
+    }
+}
