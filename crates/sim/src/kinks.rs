@@ -183,10 +183,9 @@ fn candidates(model: &mut Model) -> Vec<Id> {
             _ => return false,
         };
         let operands: Vec<Id> = graph.operands(id).collect();
-        !surfaces.iter().any(|w| switched.contains(w))
-            && graph.uses(&operands, &moving)
-            && !graph.uses(&operands, &signs)
-            && !(branches && graph.reachable(&operands).iter().any(|&k| infinite(graph, k, &moving)))
+        let blows_up = || branches && graph.reachable(&operands).iter().any(|&k| infinite(graph, k, &moving));
+        let own = surfaces.iter().all(|w| !switched.contains(w));
+        own && graph.uses(&operands, &moving) && !graph.uses(&operands, &signs) && !blows_up()
     };
     seen.into_iter().filter(|id| limited.binary_search(id).is_err() && fits(*id)).collect()
 }
