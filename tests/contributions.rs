@@ -253,3 +253,65 @@ fn a_frequency_that_follows_the_noise_is_rejected() {
     let (_, text) = run("true_tone", &asked_for("harmonic-force", "\"y\": \"0.2*cos(2.3*t + 0.4)\""), &[]);
     assert!(text.contains("identified ("), "{text}");
 }
+
+/// A free oscillator with dry friction: stiffness, damping and friction of a mass that is stated. All three are in
+/// proportion to it, for the motion tells accelerations alone.
+fn of_mass(mass: &str, records: usize) -> String {
+    let record = r#"Synthetic(truth: { "v": "-1.2*sgn(v)/m" }, start: { "x": 0.05, "v": 0.0 }, duration: 5, step: 0.01,
+        noise: Additive(0.01), seed: 1)"#;
+    let records = vec![record; records].join(", ");
+    format!(
+        r#"(constants: {{ "m": {mass}, "k": Find(start: 700.0, unit: "N/m", within: (1.0, 5000.0)), "c": Find(start: 1.0, unit: "N*s/m", within: (0.0, 50.0)) }},
+            states: {{ "x": "m", "v": "m/s" }}, known: {{ "x": "v", "v": "(-k*x - c*v)/m" }}, inertia: {{ "v": "m" }},
+            unknown: {{ "v": (factor: "-sgn(v)/m", candidates: ["1"]) }}, contacts: ["v"], data: [{records}])"#
+    )
+}
+
+#[test]
+fn numbers_tell_how_they_hang_on_a_mass_that_is_held() {
+    let (result, text) = run("held_mass", &of_mass(r#"(2.0, "kg")"#, 1), &[]);
+    let moves = result["held"][0]["moves"].as_array().expect("what hangs on the mass");
+    assert_eq!(moves.len(), 3, "{moves:?}");
+    moves.iter().for_each(|m| near(&m["percent"], 1.0, 0.01));
+    assert!(text.contains("with 1 % more") && text.contains("+1.00 %"), "{text}");
+    // With a standard deviation of 1 % the others are not known better than that.
+    let believed = of_mass(r#"(value: 2.0, unit: "kg", sigma: 0.02)"#, 1);
+    let (result, _) = run("believed_mass", &believed, &[]);
+    let error = |name: &str| {
+        let all = result["parameters"].as_array().expect("parameters");
+        let one = all.iter().find(|p| p["name"] == name).expect("the parameter");
+        one["std_error"].as_f64().expect("a number") / one["value"].as_f64().expect("a number")
+    };
+    assert!((error("k") / 0.01 - 1.0).abs() < 0.05 && (error("m") / 0.01 - 1.0).abs() < 0.05, "{result}");
+}
+
+/// The error of predictions stays that of the noise; a linear model does not stop where friction does.
+#[test]
+fn a_model_tells_how_far_it_predicts() {
+    let (result, text) = run("horizon", &of_mass(r#"(2.0, "kg")"#, 1), &[]);
+    let of = |column: &str| {
+        let all = result["horizon"].as_array().expect("horizons");
+        all.iter().filter(|h| h["column"] == column).cloned().collect::<Vec<Value>>()
+    };
+    let x = of("x");
+    assert_eq!(x.len(), of("v").len());
+    let number = |value: &Value| value.as_f64().expect("a number");
+    assert!(x.windows(2).all(|pair| number(&pair[0]["seconds"]) < number(&pair[1]["seconds"])));
+    let (first, last) = (&x[0], &x[x.len() - 1]);
+    near(&first["seconds"], 0.01, 1e-9);
+    near(&last["seconds"], 2.5, 0.01);
+    assert!(x.iter().all(|h| number(&h["nrmse"]) < 0.02), "{x:?}");
+    assert!(number(&last["baseline"]) > 5.0 * number(&last["nrmse"]), "{last}");
+    assert!(text.contains("predicts ") && text.contains("a linear model to"), "{text}");
+}
+
+#[test]
+fn a_record_that_is_listed_twice_counts_once() {
+    let (once, _) = run("once", &of_mass(r#"(2.0, "kg")"#, 1), &[]);
+    let (twice, _) = run("twice", &of_mass(r#"(2.0, "kg")"#, 3), &[]);
+    let error = |of: &Value| of["equations"][0]["terms"][0]["std_error"].clone();
+    assert_eq!(error(&once), error(&twice));
+    assert_eq!(twice["records"].as_array().map(Vec::len), Some(3));
+    assert!(twice["warnings"].to_string().contains("holds the same samples as"), "{}", twice["warnings"]);
+    assert!(!once["warnings"].to_string().contains("same samples"));
+}

@@ -583,3 +583,33 @@ fn records_of_other_columns_do_not_overlap() {
     assert!(!check("val").contains("shows"), "{}", check("val"));
     assert!(check("est").contains("shows what"), "{}", check("est"));
 }
+
+/// A window is in seconds. One that keeps all rows or none in seconds, and some in the unit of its time, is in that
+/// unit, and told.
+#[test]
+fn a_window_in_the_unit_of_its_time_is_taken_so_and_told() {
+    let rows = (0..800).fold("t,x\n".to_owned(), |mut all, k| {
+        let t = 0.01 * f64::from(k);
+        let scatter = 2e-4 * (f64::from((k * 7919) % 101) / 50.0 - 1.0);
+        let _ = writeln!(all, "{},{:.7}", 10 * k, 0.1 * (3.0 * t).cos() + scatter);
+        all
+    });
+    let of = |name: &str, window: &str| {
+        let records = format!(
+            "Csv(path: \"a.csv\", time: (\"t\", \"ms\"), columns: {{ \"x\": (\"x\", \"m\") }}, window: {window})"
+        );
+        let (said, result) = run(name, &[("a.csv", rows.clone())], &records);
+        (result["records"][0]["samples"].as_u64(), said.err)
+    };
+    let (seconds, said) = of("window_s", "(1.0, 4.0)");
+    assert!(seconds == Some(301) && !said.contains("is taken in"), "{seconds:?} {said}");
+    for (name, window) in [("window_ms", "(1000.0, 4000.0)"), ("window_from_0", "(0.0, 3000.0)")] {
+        let (samples, said) = of(name, window);
+        assert!(
+            samples == Some(301) && said.contains("is taken in ms, as its time is"),
+            "{samples:?} {said}"
+        );
+    }
+    // Beyond the file in either unit.
+    assert!(of("window_none", "(9000.0, 9500.0)").1.contains("error"));
+}

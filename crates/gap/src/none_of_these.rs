@@ -123,3 +123,29 @@ fn odds(regression: &PartialRegression, at: &Kinematics, bumps: &[Force], whole:
     let size = |k: usize| least * (whole / least).powf(k as f64 / (NONE_SIZES - 1) as f64);
     Some((0..NONE_SIZES).map(|k| evidence(size(k)).exp()).sum::<f64>() / NONE_SIZES as f64)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_models::{effect, fitted, model};
+
+    const COULOMB: &str = include_str!("../../phys/laws/coulomb.ron");
+    const VISCOUS: &str = include_str!("../../phys/laws/viscous.ron");
+
+    /// The law that is there leaves nothing for a force without a form; one that is only like it does.
+    #[test]
+    fn a_law_in_the_place_of_another_one_loses_to_none_of_these() {
+        let (base, noise) = model(
+            r#"(states: { "x": "m", "v": "m/s" }, constants: { "k": (1.0, "N/m"), "m": (1.0, "kg"), "c": (0.1, "N*s/m"), "F0": (1.0, "N"), "W": (0.7, "rad/s") },
+            known: { "x": "v", "v": "(-k*x - c*v + F0*cos(W*t))/m" },
+            inertia: { "v": "m" }, unknown: {}, data: [ Synthetic(truth: { "v": "-0.2*sgn(v)" }, start: { "x": 1.0, "v": 0.0 }, duration: 40.0, step: 0.05, noise: Additive(0.02), seed: 1) ])"#,
+        );
+        let of = |id: &str, law: &str| {
+            let law = effect(&base, id, law, "v", &[0.2]);
+            probability(&fitted(base.with(&law).expect("a model"), &noise), &noise).expect("a probability")
+        };
+        let (right, wrong) = (of("coulomb", COULOMB), of("viscous", VISCOUS));
+        assert!(right < 0.3 && wrong > 0.99, "{right} {wrong}");
+        assert!(probability(&fitted(base, &noise), &noise).is_none());
+    }
+}
