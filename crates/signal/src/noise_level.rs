@@ -50,10 +50,10 @@ pub fn noise_level(values: &[f64]) -> f64 {
     if values.iter().any(|v| !v.is_finite()) {
         return f64::NAN;
     }
-    let rounding = quantum::rounding_error(values);
     if n < 6 || holds_levels(values) {
-        return rounding;
+        return 0.0;
     }
+    let rounding = quantum::rounding_error(values);
     let differences = level_of_differences(values);
     if n < MIN_SPECTRUM_SAMPLES {
         return differences.max(rounding);

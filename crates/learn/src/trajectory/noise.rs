@@ -190,6 +190,17 @@ mod tests {
         }
     }
 
+    /// A model of an encoder that has come to rest leaves nothing there, and yet no value is known better than a
+    /// count.
+    #[test]
+    fn the_noise_of_an_encoder_is_at_least_that_of_its_step() {
+        let count = |i: u32| (38.0 * (-0.0025 * f64::from(i)).exp() * (0.05 * f64::from(i)).cos()).round();
+        let column: Vec<f64> = (0..2000).map(count).collect();
+        assert!((least_noise(&column) - 12f64.sqrt().recip()).abs() < 1e-12, "{}", least_noise(&column));
+        let found = ColumnNoise::estimate(&[0.0; 2000], &column, least_noise(&column));
+        assert_eq!(found, ColumnNoise { additive: least_noise(&column), relative: 0.0 });
+    }
+
     #[test]
     fn a_residual_of_nothing_leaves_the_floor() {
         let signal = [1.0, -2.0, 0.5];

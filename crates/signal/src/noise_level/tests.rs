@@ -143,19 +143,3 @@ fn lost_rows_are_no_noise() {
 fn erf_share(x: f64) -> f64 {
     1.0 / (1.0 + (-1.702 * x).exp())
 }
-
-/// A pendulum that comes to rest on an encoder of few counts: most changes stand alone, as those of a staircase do,
-/// and yet no value is known better than a count.
-#[test]
-fn an_encoder_that_comes_to_rest_has_the_noise_of_its_step() {
-    let count = |i: u32| {
-        let t = 0.01 * f64::from(i);
-        (38.0 * (-t / 4.0).exp() * (5.0 * t).cos()).round()
-    };
-    let column: Vec<f64> = (0..2000).map(count).collect();
-    let level = noise_level(&column);
-    assert!((level - 12f64.sqrt().recip()).abs() < 0.05, "{level}");
-    // A staircase of two levels is a command.
-    let relay: Vec<f64> = (0..2000).map(|i| if i / 100 % 2 == 0 { 1.0 } else { 0.0 }).collect();
-    assert_eq!(noise_level(&relay), 0.0);
-}
