@@ -13,6 +13,7 @@ use crate::trajectory::fit::Fit;
 use crate::trajectory::free_run::Solution;
 use crate::trajectory::layout::Segment;
 use crate::trajectory::problem::Problem;
+use phisindy_phys::spec::Role;
 use phisindy_phys::{Record, System};
 use phisindy_signal::{mean_step, standard_deviation};
 use rayon::prelude::*;
@@ -107,7 +108,10 @@ fn predicted(
     let mut x = solution.guess(&problem, r, filled);
     let whole = problem.segments[0];
     let n = fit.problem.system.states.len();
-    x[whole.start..][..n].copy_from_slice(start.get(..n)?);
+    // A record that was not fitted begins where its columns are: what a free run makes of another one may be far off.
+    if record.role == Role::Fit {
+        x[whole.start..][..n].copy_from_slice(start.get(..n)?);
+    }
     let noise = vec![fit.noise[0].clone()];
     let (pass, _) = problem.filtered(0, &x, &noise, (&force.groups, &force.intensities[0]))?;
     let times: Vec<f64> = pass.along(0).map(|(t, ..)| t).collect();
