@@ -39,6 +39,8 @@ pub(crate) enum Command {
     Formula(FormulaArgs),
     /// Identify models with one mistake in the known part: is it told?
     Wrong(WrongArgs),
+    /// Noise that is not white, late sensors, unmeasured forces: do the intervals hold the truth?
+    Noise(NoiseArgs),
     /// Run the program on odd and on damaged specs, data, laws and journals: does it panic, hang, or err?
     Odd(OddArgs),
     /// Each case beside what the paper prints
@@ -185,6 +187,17 @@ pub(crate) struct WrongArgs {
     /// This mistake only (or small: those that noise may hide)
     #[arg(long, value_name = "MISTAKE")]
     pub(crate) only: Option<String>,
+}
+
+/// Which noises.
+#[derive(Clone, Debug, clap::Args)]
+pub(crate) struct NoiseArgs {
+    /// Number of sets of each kind
+    #[arg(long, value_name = "N", default_value_t = 30)]
+    pub(crate) sets: usize,
+    /// Seed of all draws [default: 0]
+    #[arg(long, value_name = "N")]
+    pub(crate) seed: Option<u64>,
 }
 
 /// Which odd cases.

@@ -6,6 +6,7 @@
 //! DIR/NNN --phisindy gap--> result.json --score, with truth.json--> table
 //! seed --formula--> sets with a law of no catalogue --phisindy gap--> compared forces --> table
 //! seed --wrong--> specs with one mistake in the known part --identify--> is it reported? --> table
+//! seed --noise--> sliders with noise that is not white, late sensors, forces --identify--> intervals right? --> table
 //! seed --odd--> odd and damaged files --phisindy COMMAND--> exit code, answer --> table
 //! specs of the paper --phisindy run, phisindy sweep--> tables of docs/results.md
 //! ```
@@ -18,6 +19,7 @@ mod hidden;
 mod interrupt;
 mod markdown;
 mod names;
+mod noise;
 mod odd;
 mod program;
 mod progress;
@@ -62,6 +64,7 @@ fn run(args: &Args) -> Result<bool> {
         Command::Score(args) => hidden::score(args, options)?,
         Command::Formula(args) => hidden::formula(args, options)?,
         Command::Wrong(args) => wrong::table(args, options)?,
+        Command::Noise(args) => noise::table(args, options)?,
         Command::Odd(args) => odd::table(args, options)?,
         Command::Paper(args) => readme::paper(args, options)?.map(|table| Table::new("paper", table)),
         Command::Sweep(args) => readme::sweep(args, options)?.map(|table| Table::new("sweep", table)),
