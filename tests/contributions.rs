@@ -315,3 +315,21 @@ fn a_record_that_is_listed_twice_counts_once() {
     assert!(twice["warnings"].to_string().contains("holds the same samples as"), "{}", twice["warnings"]);
     assert!(!once["warnings"].to_string().contains("same samples"));
 }
+
+/// What is believed of a mass and what the records say add up, also beside a force that is left.
+#[test]
+fn a_belief_is_worth_no_more_than_it_says_beside_a_force_that_is_left() {
+    let scratch = Scratch::new("belief");
+    let spec = scratch.path("rig.ron");
+    assert_eq!(phisindy(&["new", "docs/tutorial/rig.csv", "--out", &spec, "--quiet"]).code, 0);
+    let mass = |set: &str| {
+        let said = phisindy(&["run", &spec, "--data", "docs/tutorial", "--format", "json", "--set", set]);
+        let result: Value = serde_json::from_str(&said.out).unwrap_or_else(|e| panic!("{e}: {}", said.err));
+        let all = result["parameters"].as_array().expect("parameters").clone();
+        all.iter().find(|p| p["name"] == "m").expect("the mass")["std_error"].as_f64().expect("a number")
+    };
+    let alone = mass(r#"constants.m=(value: 2.0, unit: "kg", within: (0.5, 8.0))"#);
+    let believed = mass(r#"constants.m=(value: 2.0, unit: "kg", sigma: 0.02)"#);
+    let both = (alone.powi(-2) + 0.02_f64.powi(-2)).sqrt().recip();
+    assert!((believed / both - 1.0).abs() < 0.3, "{alone} alone, {believed} with the belief, {both} together");
+}

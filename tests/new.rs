@@ -1058,3 +1058,20 @@ fn columns_that_nothing_names_are_asked_for() {
         holds(&wrong.err, &["2 names are said for 3 columns"]);
     }
 }
+
+#[test]
+fn a_draft_replaces_no_data_and_takes_no_set_that_a_run_refuses() {
+    let scratch = Scratch::new("itself");
+    let data = scratch.path("rig.csv");
+    std::fs::copy(crate::common::top().join("docs/tutorial/rig.csv"), &data).expect("copied");
+    let before = std::fs::read(&data).expect("the data");
+    let said = phisindy(&["new", &data, "--out", &data, "--force"]);
+    assert!(said.code == 2 && said.err.contains("is the data file itself"), "{}", said.err);
+    assert!(std::fs::read(&data).expect("the data") == before);
+    let spec = scratch.path("rig.ron");
+    for set in ["foo=1", "learn.cutof=0.1"] {
+        let said = phisindy(&["new", &data, "--out", &spec, "--set", set]);
+        assert!(said.code == 2 && said.err.contains("after --set"), "{set}: {}", said.err);
+        assert!(!std::fs::exists(&spec).expect("a folder"));
+    }
+}

@@ -2,7 +2,7 @@
 //! the program. A limit ends the program if the work does not end soon after it is met.
 
 use crate::limit::{Limit, resident_memory};
-use crate::terminal::{NUMERICS, complain};
+use crate::terminal::{NUMERICS, complain, remark};
 use phisindy_report::StopReason;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -73,7 +73,9 @@ fn listen_to_signals() {
 /// Requests the end of the work. Whoever presses Ctrl-C a second time does not want to wait. Other signals
 /// come twice by themselves: from the system and from a shell.
 fn request(signal: &'static str) {
-    let _ = SIGNAL.set(signal);
+    if SIGNAL.set(signal).is_ok() {
+        remark(&format!("{signal}: the work ends after its present step, and what was found is kept"));
+    }
     if REQUESTED.swap(true, Ordering::SeqCst) && signal == CTRL_C {
         std::process::exit(i32::from(INTERRUPTED));
     }

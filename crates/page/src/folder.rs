@@ -102,6 +102,17 @@ impl Working {
         written.inspect_err(|_| drop(fs::remove_file(&part)))
     }
 
+    /// Removes what this program has begun to write and no longer can.
+    pub(crate) fn remove_own_parts(&self) {
+        let own = format!(".{}-", std::process::id());
+        for entry in fs::read_dir(&self.path).into_iter().flatten().flatten() {
+            let name = entry.file_name().into_string().unwrap_or_default();
+            if name.starts_with('.') && name.ends_with(PART) && name.contains(&own) {
+                let _ = fs::remove_file(entry.path());
+            }
+        }
+    }
+
     /// The name for this content.
     fn placed(&self, name: &str, content: &Path, place: Place<'_>) -> Result<String, Unwritten> {
         if let Place::Over(known) | Place::OverOrBeside(known) = place {

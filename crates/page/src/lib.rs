@@ -91,6 +91,8 @@ impl Page {
                 std::thread::sleep(TICK);
             }
             server.close(&self.listener);
+            // An upload that is still under way has nobody left to take it.
+            self.site.folder.remove_own_parts();
         });
     }
 

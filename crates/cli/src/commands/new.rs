@@ -38,6 +38,14 @@ pub(crate) fn written(args: &NewArgs, options: &Options, open_questions: bool) -
                 out.display()
             ));
         }
+        let itself =
+            out.canonicalize().ok().filter(|out| args.path.canonicalize().is_ok_and(|path| path == *out));
+        if itself.is_some() {
+            return Err(anyhow!(
+                "`{}` is the data file itself, which its spec would replace: give --out another name",
+                out.display()
+            ));
+        }
         outdir::unless_there(out, options.force)?;
     }
     let mut sources = Sources::default();
@@ -67,6 +75,10 @@ pub(crate) fn written(args: &NewArgs, options: &Options, open_questions: bool) -
             return Ok(INPUT);
         }
     };
+    // The draft was accepted: what is wrong now is in --set.
+    if let Err(why) = accepted(&text) {
+        return Err(anyhow!("the spec for `{file}` would not be accepted after --set: {why}"));
+    }
     match out {
         Some(out) => outdir::replace_file(out, &text)?,
         None => print(&text)?,

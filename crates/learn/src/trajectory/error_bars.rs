@@ -142,6 +142,8 @@ fn correlated_covariance(fit: &Fit<'_>, bread: &Mat<f64>) -> Mat<f64> {
             }
         }
     }
+    // What is believed beforehand is one more reading, which hangs together with no other.
+    fit.problem.priors.iter().for_each(|&(k, _, sigma)| meat[(k, k)] += fit.problem.belief / (sigma * sigma));
     between(bread, &meat)
 }
 

@@ -158,7 +158,6 @@ impl<'a> Context<'a> {
         let n = self.system.states.len();
         let mut problem =
             Problem::new(self.system, terms, &self.records, &vec![1; self.records.len()]).ok()?;
-        problem.belief = fit.problem.belief;
         let mut x = problem.guess(&fit.x[..terms.len()], None, &self.smooth);
         transfer(&fit.problem, &fit.x, &problem, &mut x);
         for segment in &problem.segments {
