@@ -331,5 +331,8 @@ fn a_belief_is_worth_no_more_than_it_says_beside_a_force_that_is_left() {
     let alone = mass(r#"constants.m=(value: 2.0, unit: "kg", within: (0.5, 8.0))"#);
     let believed = mass(r#"constants.m=(value: 2.0, unit: "kg", sigma: 0.02)"#);
     let both = (alone.powi(-2) + 0.02_f64.powi(-2)).sqrt().recip();
-    assert!((believed / both - 1.0).abs() < 0.3, "{alone} alone, {believed} with the belief, {both} together");
+    assert!(
+        (believed / both - 1.0).abs() < 0.3,
+        "{alone} alone, {believed} with the belief, {both} together"
+    );
 }
