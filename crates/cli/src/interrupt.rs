@@ -4,6 +4,7 @@
 use crate::limit::{Limit, resident_memory};
 use crate::terminal::{NUMERICS, complain, remark};
 use phisindy_report::StopReason;
+use std::io::IsTerminal;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -73,7 +74,8 @@ fn listen_to_signals() {
 /// Requests the end of the work. Whoever presses Ctrl-C a second time does not want to wait. Other signals
 /// come twice by themselves: from the system and from a shell.
 fn request(signal: &'static str) {
-    if SIGNAL.set(signal).is_ok() {
+    // On a terminal the line of progress is there already.
+    if SIGNAL.set(signal).is_ok() && !std::io::stderr().is_terminal() {
         remark(&format!("{signal}: the work ends after its present step, and what was found is kept"));
     }
     if REQUESTED.swap(true, Ordering::SeqCst) && signal == CTRL_C {
