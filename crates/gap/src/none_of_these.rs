@@ -104,6 +104,10 @@ fn odds(regression: &PartialRegression, at: &Kinematics, bumps: &[Force], whole:
         bumps.iter().filter_map(|force| Some(regression.response(at, force, at.rested())?.rows)).collect();
     let (m, y) = (responses.len(), regression.target());
     let gram = Mat::from_fn(m, m, |i, j| dot(&responses[i], &responses[j]));
+    // Nothing of the force is seen, or more than numbers can hold.
+    if m == 0 || gram.col_iter().any(|c| c.iter().any(|v| !v.is_finite())) {
+        return None;
+    }
     let eigen = gram.self_adjoint_eigen(Side::Lower).ok()?;
     let seen: Vec<f64> = responses.iter().map(|r| dot(r, y)).collect();
     // Along each direction: what the records see of it, and what they say.
@@ -111,7 +115,7 @@ fn odds(regression: &PartialRegression, at: &Kinematics, bumps: &[Force], whole:
         .map(|k| (eigen.S()[k].max(0.0), (0..m).map(|i| eigen.U()[(i, k)] * seen[i]).sum::<f64>()))
         .collect();
     let most = directions.iter().map(|d| d.0).fold(0.0, f64::max);
-    if m == 0 || most <= 0.0 {
+    if most <= 0.0 {
         return None;
     }
     let least = most.sqrt().recip().min(whole);
