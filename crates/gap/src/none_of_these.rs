@@ -20,9 +20,12 @@ use phisindy_phys::spec::Role;
 /// The probability that the missing force is none of the laws of a model; `None` where it has no force, or the
 /// records show none.
 pub(crate) fn probability(last: &Fitted, noise: &[Vec<f64>]) -> Option<f64> {
-    let mut places: Vec<&Place> = last.model.effects.iter().map(|a| &a.effect.place).collect();
-    places.retain(|place| matches!(place.site, Site::Force { .. }));
-    places.dedup_by(|a, b| a.at == b.at);
+    let mut places: Vec<&Place> = vec![];
+    for place in last.model.effects.iter().map(|a| &a.effect.place) {
+        if matches!(place.site, Site::Force { .. }) && !places.iter().any(|known| known.at == place.at) {
+            places.push(place);
+        }
+    }
     let noise = last.noise(noise);
     let regression = PartialRegression::new(&last.model, &last.cal, Some(&last.cal), &noise)?;
     let odds: Vec<f64> = places.into_iter().flat_map(|place| at(last, &regression, place)).collect();
@@ -63,14 +66,9 @@ fn bumps(values: &[Vec<f64>]) -> Vec<Force> {
 
 /// Bumps over the velocity, and its sign.
 fn speeds(at: &Kinematics) -> Vec<Force> {
-    let mut all = bumps(&at.velocity);
-    all.push(
-        at.velocity
-            .iter()
-            .map(|v| v.iter().map(|v| if *v == 0.0 { 0.0 } else { v.signum() }).collect())
-            .collect(),
-    );
-    all
+    let sign = |v: &f64| if *v == 0.0 { 0.0 } else { v.signum() };
+    let signs = at.velocity.iter().map(|of| of.iter().map(sign).collect()).collect();
+    bumps(&at.velocity).into_iter().chain([signs]).collect()
 }
 
 /// Bumps over displacement and velocity.

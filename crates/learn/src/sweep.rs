@@ -1,7 +1,7 @@
 //! Comparison with the truth of synthetic cases: the truth as terms, the Cramer-Rao bound, one seed of a
 //! sweep.
 
-use crate::decisions::{TRUTH_DAMPING, TRUTH_MISS, TRUTH_POINTS, TRUTH_SHARE};
+use crate::decisions::{NOISE_FLOOR, TRUTH_DAMPING, TRUTH_MISS, TRUTH_POINTS, TRUTH_SHARE};
 use crate::identify::{LearnOptions, identify};
 use crate::linear::{covariance, solve_damped, symmetric};
 use crate::result::error::{LearnError, ModelError, TruthError};
@@ -151,7 +151,8 @@ pub fn bound(
         .map(|(i, &r)| {
             (0..case.system.columns())
                 .map(|k| {
-                    let floor = problem.records[i].columns[k].as_deref().map_or(0.0, least_noise);
+                    let floor =
+                        problem.records[i].columns[k].as_deref().map_or(0.0, |c| least_noise(c, NOISE_FLOOR));
                     let Origin::Synthetic(s) = &case.records[r].origin else {
                         return ColumnNoise { additive: floor, relative: 0.0 };
                     };

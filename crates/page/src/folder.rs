@@ -105,12 +105,7 @@ impl Working {
     /// Removes what this program has begun to write and no longer can.
     pub(crate) fn remove_own_parts(&self) {
         let own = format!(".{}-", std::process::id());
-        for entry in fs::read_dir(&self.path).into_iter().flatten().flatten() {
-            let name = entry.file_name().into_string().unwrap_or_default();
-            if name.starts_with('.') && name.ends_with(PART) && name.contains(&own) {
-                let _ = fs::remove_file(entry.path());
-            }
-        }
+        remove_parts(&self.path, |part| part.file_name().is_some_and(|n| n.to_string_lossy().contains(&own)));
     }
 
     /// The name for this content.
@@ -163,16 +158,18 @@ const PART: &str = ".part";
 /// Removes what an earlier program, which was ended by force, has left in a folder: nobody takes a day to write
 /// a file.
 pub(crate) fn clean(folder: &Path) {
-    let old = |path: &Path| {
-        let name = path.file_name().and_then(|n| n.to_str()).unwrap_or_default();
-        let age = path.symlink_metadata().and_then(|m| m.modified()).ok().and_then(|t| t.elapsed().ok());
-        name.starts_with('.')
-            && name.ends_with(PART)
-            && age.is_some_and(|age| age > Duration::from_secs(86_400))
-    };
+    remove_parts(folder, |part| {
+        let age = part.symlink_metadata().and_then(|m| m.modified()).ok().and_then(|t| t.elapsed().ok());
+        age.is_some_and(|age| age > Duration::from_secs(86_400))
+    });
+}
+
+/// Removes those of the files and folders that are not whole yet.
+fn remove_parts(folder: &Path, due: impl Fn(&Path) -> bool) {
+    let is_part = |name: &str| name.starts_with('.') && name.ends_with(PART);
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         let path = entry.path();
-        if old(&path) {
+        if entry.file_name().to_str().is_some_and(is_part) && due(&path) {
             let _ = fs::remove_file(&path).or_else(|_| fs::remove_dir_all(&path));
         }
     }

@@ -38,9 +38,7 @@ pub(crate) fn written(args: &NewArgs, options: &Options, open_questions: bool) -
                 out.display()
             ));
         }
-        let itself =
-            out.canonicalize().ok().filter(|out| args.path.canonicalize().is_ok_and(|path| path == *out));
-        if itself.is_some() {
+        if same(out, &args.path) {
             return Err(anyhow!(
                 "`{}` is the data file itself, which its spec would replace: give --out another name",
                 out.display()
@@ -65,9 +63,6 @@ pub(crate) fn written(args: &NewArgs, options: &Options, open_questions: bool) -
     let file = args.path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
     let next = next_command(args, out);
     let text = spec_text(&draft, &file, &next);
-    if let Err(why) = accepted(&text) {
-        return Err(anyhow!("the spec for `{file}` would not be accepted ({why}): please report this"));
-    }
     let text = match files::with_assignments(text, &options.sets, &mut sources) {
         Ok(text) => text,
         Err(d) => {
@@ -75,9 +70,11 @@ pub(crate) fn written(args: &NewArgs, options: &Options, open_questions: bool) -
             return Ok(INPUT);
         }
     };
-    // The draft was accepted: what is wrong now is in --set.
     if let Err(why) = accepted(&text) {
-        return Err(anyhow!("the spec for `{file}` would not be accepted after --set: {why}"));
+        return Err(match options.sets.is_empty() {
+            true => anyhow!("the spec for `{file}` would not be accepted ({why}): please report this"),
+            false => anyhow!("the spec for `{file}` would not be accepted after --set: {why}"),
+        });
     }
     match out {
         Some(out) => outdir::replace_file(out, &text)?,
@@ -147,11 +144,16 @@ fn next_command(args: &NewArgs, out: Option<&Path>) -> String {
         Path::to_owned,
     );
     let data = folder(&args.path);
-    let same = match (folder(&spec).canonicalize(), data.canonicalize()) {
-        (Ok(a), Ok(b)) => a == b,
-        _ => false,
-    };
-    if same { quoted(&spec) } else { format!("{} --data {}", quoted(&spec), quoted(&data)) }
+    if same(&folder(&spec), &data) {
+        quoted(&spec)
+    } else {
+        format!("{} --data {}", quoted(&spec), quoted(&data))
+    }
+}
+
+/// Whether two paths lead to one file or folder.
+fn same(a: &Path, b: &Path) -> bool {
+    a.canonicalize().is_ok_and(|a| b.canonicalize().is_ok_and(|b| a == b))
 }
 
 /// The word quoted for a shell.

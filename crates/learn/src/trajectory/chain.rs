@@ -7,8 +7,8 @@
 //! Start states couple to their neighbours alone, so the work grows with their number.
 
 use crate::decisions::{
-    CHAIN_MINIMUM, CHAIN_SAMPLES, FIRST_NOISE, FORGOTTEN, LONGEST_STRETCH, LOOSE_JOINTS, LOST, START_GAIN,
-    STRETCHES_PER_TERM, TIGHT_JOINTS,
+    CHAIN_MINIMUM, CHAIN_SAMPLES, FIRST_NOISE, FORGOTTEN, LONGEST_STRETCH, LOOSE_JOINTS, LOST, NOISE_FLOOR,
+    START_GAIN, STRETCHES_PER_TERM, TIGHT_JOINTS,
 };
 use crate::least_squares::Limits;
 use crate::trajectory::chain_selection::{Criterion, addition, select_on_chain};
@@ -139,7 +139,7 @@ impl<'a> Context<'a> {
     /// The noise of each column from its spectrum above the motion.
     pub(crate) fn spectral_noise(&self) -> Noise {
         let of = |r: usize, k: usize| {
-            let of = |c: &Vec<f64>| noise_level_at(&self.records[r].time, c).max(least_noise(c));
+            let of = |c: &Vec<f64>| noise_level_at(&self.records[r].time, c).max(least_noise(c, NOISE_FLOOR));
             let level = self.records[r].columns[k].as_ref().map_or(0.0, of);
             ColumnNoise { additive: level.max(f64::MIN_POSITIVE), relative: 0.0 }
         };

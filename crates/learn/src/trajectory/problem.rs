@@ -1,7 +1,7 @@
 //! The trajectory fit as a least-squares problem: simulations, predictions of the sensors, residuals,
 //! weights. [`super::layout`] says what the unknowns are, [`super::cost`] differentiates.
 
-use crate::decisions::{BASE_STEPS, DIVERGED_SIZE, STEPS_PER_SAMPLE, TOLERANCE};
+use crate::decisions::{BASE_STEPS, DIVERGED_SIZE, NOISE_FLOOR, STEPS_PER_SAMPLE, TOLERANCE};
 use crate::result::error::ModelError;
 use crate::trajectory::delayed_samples::{DelayedSamples, SampledRun};
 use crate::trajectory::filter::Gains;
@@ -98,7 +98,7 @@ impl<'a> Problem<'a> {
             .collect();
         let states = system.states.len();
         let level = |r: &Record, k: usize| match &r.columns[k] {
-            Some(c) if k >= states => noise_level_at(&r.time, c).max(least_noise(c)),
+            Some(c) if k >= states => noise_level_at(&r.time, c).max(least_noise(c, NOISE_FLOOR)),
             _ => 1.0,
         };
         let jump_noise =
@@ -460,7 +460,7 @@ impl<'a> Problem<'a> {
     pub(crate) fn noise(&self, residuals: &[Vec<ColumnResidual>]) -> Noise {
         let of = |r: usize, k: usize| {
             let c = &residuals[r][k];
-            let floor = self.records[r].columns[k].as_deref().map_or(0.0, least_noise);
+            let floor = self.records[r].columns[k].as_deref().map_or(0.0, |c| least_noise(c, NOISE_FLOOR));
             ColumnNoise::estimate(&c.residual, &c.prediction, floor)
         };
         (0..self.records.len()).map(|r| (0..self.system.columns()).map(|k| of(r, k)).collect()).collect()

@@ -14,13 +14,13 @@ use crate::trajectory::error_bars::ErrorBars;
 use crate::trajectory::filter::{Filter, Gains, Group, Pass, driven};
 use crate::trajectory::fit::{Context, Fit, transfer};
 use crate::trajectory::kalman_smoother::reads_outputs;
-use crate::trajectory::noise::ColumnNoise;
+use crate::trajectory::noise::{ColumnNoise, least_noise};
 use crate::trajectory::problem::{Noise, Problem};
 use crate::trajectory::remainder::remainders;
 use crate::trajectory::tally::{Tally, weighed};
 use phisindy_phys::spec::SegmentsSpec;
 use phisindy_phys::{Record, System};
-use phisindy_signal::{mean_step, noise_level_at, rounding_error, standard_deviation};
+use phisindy_signal::{mean_step, noise_level_at};
 use rayon::prelude::*;
 
 /// White forces on the rates of states.
@@ -100,11 +100,6 @@ impl Problem<'_> {
     }
 }
 
-/// The least noise that a column can have: the rounding of its last digit.
-fn least_noise(column: &[f64]) -> f64 {
-    rounding_error(column).max(SHARPEST_SENSOR * standard_deviation(column)).max(f64::MIN_POSITIVE)
-}
-
 impl RandomForce {
     /// The force of one more record: as strong as in the mean of those that were fitted.
     pub(crate) fn of_another(&self) -> RandomForce {
@@ -121,7 +116,9 @@ impl<'a> Context<'a> {
     /// The noise of each column by its spectrum above the motion.
     fn noise_above_the_motion(&self, problem: &Problem<'_>) -> Noise {
         let of = |(time, column): (&[f64], Option<&Vec<f64>>)| {
-            let level = column.map_or(f64::MIN_POSITIVE, |c| noise_level_at(time, c).max(least_noise(c)));
+            let level = column.map_or(f64::MIN_POSITIVE, |c| {
+                noise_level_at(time, c).max(least_noise(c, SHARPEST_SENSOR).max(f64::MIN_POSITIVE))
+            });
             ColumnNoise { additive: level, relative: 0.0 }
         };
         let row = |r: &&Record| r.columns.iter().map(|c| of((&r.time, c.as_ref()))).collect();
@@ -236,7 +233,9 @@ impl<'a> Context<'a> {
             at.extend(measured.iter().map(|_| 0.0));
             // The likelihood has no bound where a sensor has no noise.
             let floor = |k: usize| {
-                let least = record.columns[k].as_ref().map_or(0.0, |c| least_noise(c));
+                let least = record.columns[k]
+                    .as_ref()
+                    .map_or(0.0, |c| least_noise(c, SHARPEST_SENSOR).max(f64::MIN_POSITIVE));
                 (least.powi(2) / noise[r][k].variance(problem.deviations[r][k])).ln().min(0.0)
             };
             let lowest: Vec<f64> =

@@ -55,10 +55,10 @@ pub(crate) fn report(
     let mut warnings: Vec<Warning> = notes(records).collect();
     warnings.extend(at_bounds(&parameters));
     let failure = failure(fit);
+    // Where the fit has not moved its covariance says nothing of the data.
     let fitted = failure.is_none();
     let mut input_noise = InputNoiseEffect::default();
-    // Where the fit has not moved its covariance says nothing of the data.
-    if failure.is_none() {
+    if fitted {
         warnings.extend(inseparable(&bars.sandwich, &named, &fit.x));
         let numbers: Vec<Number> = named.iter().map(|(k, name)| (*k, name.clone(), bars.error(*k))).collect();
         warnings.extend(dependence(&numbers, &fit.normal, |how| differentiated_by(fit, how)));

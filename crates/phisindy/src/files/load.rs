@@ -19,7 +19,7 @@ use phisindy_signal::{Interpolation, Signal, strongest_line};
 use phisindy_sim::{SyntheticError, Trajectory, synthesize};
 use std::fs::File;
 use std::io::{self, Read};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// What the spec is read for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -385,10 +385,10 @@ impl<'r> Loader<'r> {
             return Err(Refusal::Input);
         }
         let units = Units::of(csv, &case.system);
-        let path = match table {
-            Some(_) => None,
+        let place = match table {
+            Some(table) => Rows::Given(table),
             None => match self.folders.find(&csv.path.value, self.source, csv.path.span) {
-                Ok(path) => Some(path),
+                Ok(path) => Rows::In(path),
                 Err(Missing::Nowhere(mut d)) if purpose == Purpose::Check && !self.folders.given => {
                     d.severity = Severity::Warning;
                     self.push(d);
@@ -400,10 +400,9 @@ impl<'r> Loader<'r> {
                 }
             },
         };
-        let mut rows = |csv: &CsvSpec| match (table, &path) {
-            (Some(table), _) => table.read(csv, &units, self.source, self.sources),
-            (None, Some(path)) => folders::read(csv, &units, path, self.source, self.sources),
-            (None, None) => Ok(Default::default()),
+        let mut rows = |csv: &CsvSpec| match &place {
+            Rows::Given(table) => table.read(csv, &units, self.source, self.sources),
+            Rows::In(path) => folders::read(csv, &units, path, self.source, self.sources),
         };
         let mut read = rows(csv);
         let rescaled = read.as_ref().ok().and_then(|(table, _)| in_the_unit_of_time(csv, &units, table));
@@ -471,6 +470,12 @@ impl<'r> Loader<'r> {
             if numerics { Refusal::Numerics } else { Refusal::Input }
         })
     }
+}
+
+/// Where the rows of a record are.
+enum Rows<'a> {
+    Given(&'a Columns),
+    In(PathBuf),
 }
 
 /// The record with its window in seconds, where it was written in the unit of the time: taken as seconds it
