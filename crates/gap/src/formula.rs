@@ -26,7 +26,7 @@ use crate::other_causes::input_noise;
 use crate::place::{Effect, Place, fits};
 use crate::plausibility::{cancelling, vetoed};
 use crate::result::{Activity, MissingForce, PlacedLaw, Rival, StopReason, Veto, Vetoed};
-use crate::screen::PartialRegression;
+use crate::screen::{PartialRegression, Target};
 use crate::search::{Round, Search, Searched};
 pub(crate) use expansion::expansion;
 use expansion::short;
@@ -149,7 +149,8 @@ impl Search<'_> {
             return None;
         }
         let model = now.settled();
-        let regression = PartialRegression::new(&model, &now.cal, None, &response_noise(&model, self.noise))?;
+        let noise = response_noise(&model, self.noise);
+        let regression = PartialRegression::new(&model, &now.cal, None, &noise, Target::AlongData)?;
         let at_place = |place: &Place| {
             let at = regression.kinematics(&model.system, place)?;
             force::missing_force(&regression, &at, &model.system, place)
@@ -170,9 +171,8 @@ impl Search<'_> {
             if self.observer.tell(FORMULAS, Activity::Formulas) {
                 break;
             }
-            let Some(regression) = PartialRegression::new(&model, &now.cal, runs.as_ref(), &coarse) else {
-                break;
-            };
+            let along = PartialRegression::new(&model, &now.cal, runs.as_ref(), &coarse, Target::AlongData);
+            let Some(regression) = along else { break };
             let mut candidates = Vec::new();
             for scope in scopes(&model) {
                 if self.observer.tell(FORMULAS, Activity::Formulas) {

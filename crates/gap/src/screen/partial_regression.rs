@@ -78,6 +78,7 @@ impl PartialRegression {
         fitted: &Calibration,
         runs: Option<&Calibration>,
         noise: &[Vec<f64>],
+        target: Target<'_>,
     ) -> Option<PartialRegression> {
         let of: Vec<usize> =
             (0..model.records.len()).filter(|&r| model.records[r].role == Role::Fit).collect();
@@ -94,7 +95,7 @@ impl PartialRegression {
             .collect::<Option<_>>()?;
         let total: usize = data.iter().map(RegressionData::height).sum();
         let block = total.div_ceil(FORMULA_ROWS).max(1);
-        let FreeColumns { all, movable, .. } = FreeColumns::new(&base, model, &of, &data, Target::AlongData);
+        let FreeColumns { all, movable, .. } = FreeColumns::new(&base, model, &of, &data, target);
         let mut regression = PartialRegression {
             data,
             block,
