@@ -10,15 +10,16 @@ use crate::dice::Dice;
 use crate::interrupt;
 use crate::markdown::markdown;
 use crate::progress::Progress;
-use crate::synthetic::load;
 use crate::table::Table;
 use anyhow::{Result, anyhow};
-use phisindy_learn::{Estimate, Identified, LearnOptions, identify};
+use phisindy::files::{Purpose, Request, open_text};
+use phisindy_learn::{Estimate, Identified, LearnOptions, Warning};
 use phisindy_phys::Record;
 use phisindy_signal::{Interpolation, Signal, standard_deviation};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
+use std::path::Path;
 
 /// The numbers of the slider: stiffness, damping, friction.
 const TRUTH: [(&str, f64); 3] = [("k", 800.0), ("c", 1.5), ("Fc", 1.2)];
@@ -190,18 +191,23 @@ fn found(name: &str, odd: &Odd, seed: u64, set: usize) -> Result<Option<Found>> 
             data: [Synthetic(truth: {{ "v": "(-(800-k)*x - (1.5-c)*v - 1.2*sgn(v) {force})/m" }}, start: {{ "x": 0.01, "v": 0.0 }}, duration: 5.0, step: {STEP},
                 measure: ["x"], inputs: {{ "F": Formula("6*cos({a}*t) + 4*cos({b}*t+1)") }})])"#
     );
-    let loaded = load(text, None).map_err(|why| anyhow!("{name}, set {set}: {why}"))?;
-    let record = measured(&loaded.records[0], odd, &mut dice)?;
-    let found =
-        identify(&loaded.case, &[record], &LearnOptions { method: None }, &mut |_| ControlFlow::Continue(()));
-    Ok(found.ok().and_then(|found| {
+    let mut loaded = open_text(&text, Path::new(name), &Request::default(), Purpose::Run)
+        .map_err(|why| anyhow!("{name}, set {set}: {why}"))?;
+    loaded.records = vec![measured(&loaded.records[0], odd, &mut dice)?];
+    let found = loaded.identified(&LearnOptions { method: None }, &mut |_| ControlFlow::Continue(()));
+    Ok(found.ok().and_then(|(_, found)| {
         let parameter =
             |name: &str| found.parameters.iter().find(|p| p.id.to_string() == name).map(|p| p.estimate);
         let friction = found.terms.first().map(|t| t.coefficient)?;
         let estimates = [parameter("k")?, parameter("c")?, friction];
-        let doubted = found.warnings.iter().any(phisindy_learn::Warning::doubts_residual);
+        let doubted = found.warnings.iter().any(tells);
         Some(Found { verdict: word(&found), doubted, estimates })
     }))
+}
+
+/// Whether a warning tells of something that the model lacks.
+fn tells(warning: &Warning) -> bool {
+    warning.doubts_residual() || matches!(warning, Warning::Late { .. })
 }
 
 fn word(found: &Identified) -> &'static str {

@@ -283,6 +283,8 @@ decisions! {
 
     /// The coefficients of more terms than this keep the quadratic interval.
     PROFILED_TERMS: usize = 12, "terms", Basis::Judgement("each end of a profile costs some evaluations of the whole fit, and a model with so many terms was asked for, not selected");
+    /// The probability from which a result says that something is so.
+    SURE: f64 = 0.95, "probability", Basis::Convention("what intervals hold");
     /// Half of a 95 % interval.
     HALF_WIDTH_95: f64 = 1.959_963_984_540_054, "standard errors", NORMAL;
     /// The rise of the cost at the ends of a 95 % interval.

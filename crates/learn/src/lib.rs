@@ -34,6 +34,7 @@ pub use result::estimate::Estimate;
 pub use result::held::HeldConstant;
 pub use result::horizon::Horizon;
 pub use result::identified::{Identified, NoiseModel, PathPoint, StopReason};
+pub use result::late_column::LateColumn;
 pub use result::parameter::{FoundParameter, parameter_values};
 pub use result::passivity_violation::PassivityViolation;
 pub use result::quantity::{ParameterId, ParameterOf, Quantity, RecordId, SensorPart, TermId};

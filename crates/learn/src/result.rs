@@ -6,6 +6,7 @@ pub(crate) mod estimate;
 pub(crate) mod held;
 pub(crate) mod horizon;
 pub(crate) mod identified;
+pub(crate) mod late_column;
 pub(crate) mod parameter;
 pub(crate) mod passivity;
 pub(crate) mod passivity_violation;

@@ -28,6 +28,7 @@ pub(crate) mod input_sensors;
 pub(crate) mod jacobian;
 pub(crate) mod jumps;
 pub(crate) mod kalman_smoother;
+mod late_column;
 pub(crate) mod layout;
 pub(crate) mod method;
 pub(crate) mod noise;

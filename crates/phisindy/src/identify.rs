@@ -31,7 +31,7 @@ impl Loaded {
         let loaded = loaded.with_formulas(&mut observe)?.unwrap_or(loaded);
         let learn = LearnOptions { method: options.method };
         let mut observe = |fraction| options.progress(fraction, "");
-        let result = learn::identify(&loaded.case, &loaded.records, &learn, &mut observe)?;
+        let (loaded, result) = loaded.identified(&learn, &mut observe)?;
         Ok(Identified { loaded, result })
     }
 

@@ -45,6 +45,7 @@ mod error;
 pub mod files;
 mod gap;
 mod identify;
+mod late_sensor;
 mod laws;
 mod loaded;
 mod options;

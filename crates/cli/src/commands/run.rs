@@ -10,7 +10,7 @@ use crate::{draw, interrupt};
 use anyhow::Result;
 use phisindy::Loaded;
 use phisindy::files::Purpose;
-use phisindy_learn::{Identified, LearnError, LearnOptions, identify};
+use phisindy_learn::{Identified, LearnError, LearnOptions};
 use phisindy_phys::{Diagnostic, Sources};
 use phisindy_report::{Ending, Folder, RunReport};
 use std::io::{self, IsTerminal};
@@ -54,7 +54,7 @@ fn run_one(spec: &Path, folder: Option<&Results>, options: &Options, follows: bo
             return Ok(NUMERICS);
         }
     };
-    let found = match identify_with_progress(&loaded, options) {
+    let (loaded, found) = match identify_with_progress(loaded.clone(), options) {
         Ok(found) => found,
         Err(error) => {
             fail(&loaded, &error.to_string(), error.diverged())?;
@@ -121,10 +121,10 @@ fn with_formulas(loaded: &Loaded, options: &Options) -> Result<Option<Loaded>, p
 }
 
 /// Runs the identification with a progress bar, until an early end is requested.
-fn identify_with_progress(loaded: &Loaded, options: &Options) -> Result<Identified, LearnError> {
+fn identify_with_progress(loaded: Loaded, options: &Options) -> Result<(Loaded, Identified), LearnError> {
     let mut progress = Progress::new(&loaded.spec, options.quiet);
     let learn = LearnOptions { method: options.method.map(Into::into) };
-    identify(&loaded.case, &loaded.records, &learn, &mut |fraction| {
+    loaded.identified(&learn, &mut |fraction| {
         progress.at(fraction);
         if interrupt::requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     })

@@ -61,6 +61,8 @@ fn said(terms: Vec<FoundTerm>, records: Vec<RecordFit>) -> Identified {
         horizon: vec![],
         selection: vec![],
         covariance: vec![],
+        late: None,
+        deviance: None,
         warnings: vec![],
         verdict: Verdict::Identified,
         stop_reason: StopReason::Finished,

@@ -2,6 +2,7 @@
 
 use super::held::HeldConstant;
 use super::horizon::Horizon;
+use super::late_column::LateColumn;
 use super::parameter::{FoundParameter, parameter_values};
 use super::record_fit::RecordFit;
 use super::remainder::Remainder;
@@ -70,6 +71,11 @@ pub struct Identified {
     pub horizon: Vec<Horizon>,
     /// The constants that were held, and how the numbers hang on them; empty where the method does not tell.
     pub held: Vec<HeldConstant>,
+    /// A column whose sensor looks late, where the spec has no delay for it.
+    pub late: Option<LateColumn>,
+    /// Twice the negative logarithm of the likelihood of the fitted records but for a constant, to compare models
+    /// of the same records; `None` where the method does not tell.
+    pub deviance: Option<f64>,
     /// What a careful reader should know.
     pub warnings: Vec<Warning>,
     /// Whether to believe it.

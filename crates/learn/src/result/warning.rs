@@ -26,6 +26,17 @@ pub enum Warning {
         /// The name of the other one.
         of: String,
     },
+    /// A sensor is late, which the spec does not say: what it is late by was found beside the rest.
+    Late {
+        /// Its column.
+        column: String,
+        /// The constant that says by how much.
+        by: String,
+        /// Whether that is a delay, not the cutoff of a low-pass.
+        delay: bool,
+        /// The delay in its standard errors.
+        errors: f64,
+    },
     /// A number ended at a bound of the spec.
     AtBound {
         /// Which.

@@ -153,6 +153,14 @@ impl Display for Warning {
                 with.name()
             ),
             Warning::Copy { record, of } => write!(f, "{record} holds the same samples as {of}: they count once, and show nothing of how well the result repeats"),
+            Warning::Late { column, by, delay, errors } => {
+                let how = if *delay { "late" } else { "through a low-pass of first order" };
+                write!(
+                    f,
+                    "{column} is read {how}, which the spec does not say: {by} was found beside the rest (a delay of it is \
+                     {errors:.0} standard errors from none); if it is known, state it in `sensors`"
+                )
+            }
             Warning::Coloured { independent } => write!(
                 f,
                 "the residual is not white ({:.0} % of the samples are independent): something is still missing, the known part is wrong, or the sensor filters; the intervals allow for the correlation",

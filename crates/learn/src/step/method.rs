@@ -71,6 +71,8 @@ pub(crate) fn by_steps(
         horizon: vec![],
         selection,
         covariance,
+        late: None,
+        deviance: None,
         warnings,
         verdict,
         stop_reason: fit.stop_reason,

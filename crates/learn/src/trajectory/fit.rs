@@ -525,6 +525,12 @@ impl Fit<'_> {
         other.normal(&self.x, &self.weights).ok()
     }
 
+    /// Twice the negative logarithm of the likelihood but for a constant; `None` of a fit in segments.
+    pub(crate) fn deviance(&self) -> Option<f64> {
+        let weights = self.weights.iter().flatten().flatten();
+        (self.most_pieces() == 1).then(|| self.normal.cost - weights.map(|w| w.ln()).sum::<f64>())
+    }
+
     /// Factor on variances for correlated residuals: 1 for white noise.
     pub(crate) fn inflation(&self) -> f64 {
         inflation(self.samples, self.effective)

@@ -197,22 +197,13 @@ impl<'a> Context<'a> {
         let normal = problem.minimise(&mut x, &weights, Limits::of(FINE_MINIMUM)).ok()?;
         let residuals = problem.residuals(&x).ok()?;
         let Tally { samples, effective, .. } = weighed(&weights, &residuals);
-        let gain = self.unlikelihood_of(fit).map_or(f64::INFINITY, |free| free - unlikelihood);
+        let gain = fit.deviance().map_or(f64::INFINITY, |free| free - unlikelihood);
         let pieces = vec![1; self.records.len()];
         let force = Some(force);
         Some((
             Fit { problem, x, noise, weights, normal, samples, effective, excess: 1.0, pieces, force },
             gain,
         ))
-    }
-
-    /// Twice the negative logarithm of the likelihood of a fit in single runs; `None` of one in segments.
-    fn unlikelihood_of(&self, fit: &Fit<'a>) -> Option<f64> {
-        if fit.most_pieces() > 1 {
-            return None;
-        }
-        let weights = fit.weights.iter().flatten().flatten();
-        Some(fit.normal.cost - weights.map(|w| w.ln()).sum::<f64>())
     }
 
     /// Moves the intensities and the noises to the largest likelihood along the derivatives at `x`.

@@ -123,6 +123,8 @@ pub(crate) fn report(
         horizon,
         held: freed.map_or(vec![], |freed| elasticities(freed, fit, &named)),
         covariance: with_scatter(bars.covariance(&numbers), &numbers, variance),
+        late: None,
+        deviance: fit.deviance(),
         warnings,
         verdict,
         stop_reason,

@@ -108,6 +108,14 @@ fn warnings() {
             "the result depends on how columns are differentiated: with Spline k would move by 2.5 half-widths of its interval; measure the derivative, or choose by what is known of the motion (Spectral: smooth, SavitzkyGolay: with stops, Spline: any grid)",
         ),
         (
+            Warning::Late { column: "x".to_owned(), by: "x_delay".to_owned(), delay: true, errors: 77.8 },
+            "x is read late, which the spec does not say: x_delay was found beside the rest (a delay of it is 78 standard errors from none); if it is known, state it in `sensors`",
+        ),
+        (
+            Warning::Late { column: "x".to_owned(), by: "x_cutoff".to_owned(), delay: false, errors: 7.8 },
+            "x is read through a low-pass of first order, which the spec does not say: x_cutoff was found beside the rest (a delay of it is 8 standard errors from none); if it is known, state it in `sensors`",
+        ),
+        (
             Warning::Coloured { independent: 0.123 },
             "the residual is not white (12 % of the samples are independent): something is still missing, the known part is wrong, or the sensor filters; the intervals allow for the correlation",
         ),

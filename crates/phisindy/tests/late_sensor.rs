@@ -1,0 +1,101 @@
+//! Sensors that are late, by data that another integrator makes.
+#![allow(missing_docs)]
+
+use phisindy::{Case, Identified, Options, identify};
+use std::f64::consts::TAU;
+
+const SLIDER: &str = r#"(constants: { "m": (2.0, "kg"), "k": Find(start: 700.0, unit: "N/m", within: (10.0, 1e4)), "c": Find(start: 3.0, unit: "N*s/m", within: (0.0, 100.0)) },
+    states: { "x": "m", "v": "m/s" }, inputs: { "F": "N" }, known: { "x": "v", "v": "(F - k*x - c*v)/m" }, inertia: { "v": "m" },
+    unknown: { "v": (factor: "-sgn(v)/m", candidates: ["1"]) }, contacts: ["v"])"#;
+/// Stiffness, damping, friction.
+const TRUTH: [f64; 3] = [800.0, 1.5, 1.2];
+/// Steps of the integrator in a second.
+const FINE: usize = 10_000;
+
+fn drive(t: f64) -> f64 {
+    6.0 * (12.3 * t).cos() + 4.0 * (27.1 * t + 1.0).cos()
+}
+
+/// A slider of 2 kg by semi-implicit steps: its displacement, `FINE` values a second.
+fn motion(seconds: usize) -> Vec<f64> {
+    let (h, [k, c, friction]) = (1.0 / FINE as f64, TRUTH);
+    let (mut x, mut v) = (0.01, 0.0_f64);
+    let next = |i: usize| {
+        let now = x;
+        let force = drive(i as f64 * h) - k * x - c * v;
+        if v != 0.0 || force.abs() > friction {
+            let way = if v == 0.0 { force.signum() } else { v.signum() };
+            let new = v + h * (force - friction * way) / 2.0;
+            let new = if v * new < 0.0 { 0.0 } else { new };
+            x += 0.5 * h * (v + new);
+            v = new;
+        }
+        now
+    };
+    (0..seconds * FINE).map(next).collect()
+}
+
+/// What is found of a motion that a sensor reads 100 times a second with noise of 2 %.
+fn found(read: &[f64]) -> Identified {
+    let every = FINE / 100;
+    let size = read.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
+    let mut seed = 1_u64;
+    let mut noise = || {
+        let mut unit = || {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            ((seed >> 11) as f64 + 0.5) / (1_u64 << 53) as f64
+        };
+        0.01 * size * (-2.0 * unit().ln()).sqrt() * (TAU * unit()).cos()
+    };
+    let x: Vec<f64> = read.iter().step_by(every).map(|x| x + noise()).collect();
+    let t: Vec<f64> = (0..x.len()).map(|i| i as f64 / 100.0).collect();
+    let force: Vec<f64> = t.iter().map(|&t| drive(t)).collect();
+    let case = Case::read(SLIDER).expect("a spec");
+    let record = case.record(&[("t", &t), ("x", &x), ("F", &force)]).expect("a record");
+    identify(&case, &[record], &Options::default()).expect("a result")
+}
+
+/// Values of stiffness, damping, friction, each in standard errors from the truth.
+fn errors(found: &Identified) -> [f64; 3] {
+    let number =
+        |name: &str| found.parameters().iter().find(|p| p.id.to_string() == name).expect("found").estimate;
+    let all = [number("k"), number("c"), found.terms()[0].coefficient];
+    [0, 1, 2].map(|i| ((all[i].value - TRUTH[i]) / all[i].std_error).abs())
+}
+
+fn number(found: &Identified, name: &str) -> Option<f64> {
+    found.parameters().iter().find(|p| p.id.to_string() == name).map(|p| p.estimate.value)
+}
+
+fn told(found: &Identified) -> bool {
+    found.warnings().iter().any(|w| w.contains("which the spec does not say"))
+}
+
+#[test]
+fn what_a_sensor_is_late_by_is_found_beside_the_rest() {
+    let x = motion(5);
+    let good = found(&x);
+    assert!(!told(&good) && good.parameters().len() == 2, "{:?}", good.warnings());
+
+    let late: Vec<f64> = (0..x.len()).map(|i| x[i.saturating_sub(FINE / 200)]).collect();
+    let found_late = found(&late);
+    let delay = number(&found_late, "x_delay").expect("a delay");
+    assert!(told(&found_late) && (delay - 0.005).abs() < 3e-4, "{delay}");
+    assert!(errors(&found_late).iter().all(|e| *e < 3.0), "{:?}", errors(&found_late));
+
+    // A low-pass is one: its cutoff is found, not a delay.
+    let mut held = x[0];
+    let follow = (-TAU * 20.0 / FINE as f64).exp();
+    let slow = x.iter().map(|x| {
+        held = follow * held + (1.0 - follow) * x;
+        held
+    });
+    let found_slow = found(&slow.collect::<Vec<_>>());
+    let cutoff = number(&found_slow, "x_cutoff").expect("a cutoff");
+    assert!(told(&found_slow) && (cutoff - 20.0).abs() < 1.0, "{cutoff}");
+    assert!(errors(&found_slow).iter().all(|e| *e < 3.0), "{:?}", errors(&found_slow));
+
+    // What was found can be run again: the sensor stands in the text.
+    let again = found_slow.case().expect("a case");
+    assert!(again.text().contains("lowpass") && again.text().contains("x_cutoff"));
+}
