@@ -283,6 +283,8 @@ decisions! {
 
     /// The coefficients of more terms than this keep the quadratic interval.
     PROFILED_TERMS: usize = 12, "terms", Basis::Judgement("each end of a profile costs some evaluations of the whole fit, and a model with so many terms was asked for, not selected");
+    /// A fit may find this many times the delay that the residuals show.
+    LATE_REACH: f64 = 30.0, "times", Basis::Judgement("the residuals show the delay to first order: the motion may have turned round within it");
     /// The probability from which a result says that something is so.
     SURE: f64 = 0.95, "probability", Basis::Convention("what intervals hold");
     /// Half of a 95 % interval.

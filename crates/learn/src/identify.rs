@@ -18,8 +18,10 @@ use crate::trajectory::kalman_smoother::reads_outputs;
 use crate::trajectory::method::by_trajectory;
 use phisindy_phys::spec::{Method, Role};
 use phisindy_phys::{Case, Record, System};
+use phisindy_sim::Stop;
 use rayon::prelude::*;
 use std::ops::ControlFlow;
+use std::sync::Mutex;
 
 /// What the caller decides; the rest is in the spec.
 #[derive(Clone, Copy, Debug, Default)]
@@ -29,7 +31,7 @@ pub struct LearnOptions {
 }
 
 /// Identifies the unknown part of a case from its records. `observe` receives the progress (a fraction of
-/// the work) and may stop it.
+/// the work), is asked again and again while a step takes long, and may stop it: the result is then the best so far.
 ///
 /// # Errors
 /// The records do not suit the method, or the numerics fail altogether. A model that merely does not fit is a
@@ -57,13 +59,33 @@ pub fn identify(
     case: &Case,
     records: &[Record],
     options: &LearnOptions,
-    observe: &mut dyn FnMut(f64) -> ControlFlow<()>,
+    observe: &mut (dyn FnMut(f64) -> ControlFlow<()> + Send),
 ) -> Result<Identified, LearnError> {
     let copies = copies(records);
     if copies.iter().any(Option::is_some) {
         let found = identify(case, &without(records, &copies), options, observe)?;
         return Ok(restored(found, records, &copies));
     }
+    let (stop, told) = (Stop::default(), Mutex::new((0.0, observe)));
+    let tell = |part: Option<f64>| {
+        let Ok(mut told) = told.lock() else { return ControlFlow::Break(()) };
+        told.0 = part.unwrap_or(told.0);
+        let last = told.0;
+        (told.1)(last)
+    };
+    stop.during(
+        || tell(None).is_break(),
+        || by_method(case, records, options, &stop, &mut |part| tell(Some(part))),
+    )
+}
+
+fn by_method(
+    case: &Case,
+    records: &[Record],
+    options: &LearnOptions,
+    stop: &Stop,
+    observe: &mut dyn FnMut(f64) -> ControlFlow<()>,
+) -> Result<Identified, LearnError> {
     let fitted: Vec<&Record> = records.iter().filter(|r| r.role == Role::Fit).collect();
     if fitted.is_empty() {
         return Err(DataError::NothingToFit.into());
@@ -79,7 +101,7 @@ pub fn identify(
         Method::Step => (records, by_steps(case, records, observe)?),
         Method::Trajectory => {
             let found;
-            (with_sizes, found) = from_estimate_or_rest(case, records, observe)?;
+            (with_sizes, found) = from_estimate_or_rest(case, records, stop, observe)?;
             (&with_sizes[..], found)
         }
     };
@@ -97,12 +119,13 @@ pub fn identify(
 fn from_estimate_or_rest(
     case: &Case,
     records: &[Record],
+    stop: &Stop,
     observe: &mut dyn FnMut(f64) -> ControlFlow<()>,
 ) -> Result<(Vec<Record>, Identified), LearnError> {
     let system = &case.system;
     let mut from = |smooth: Vec<Record>| {
         let sized = sized(system, records, &smooth);
-        let found = by_trajectory(case, &sized, &smooth, observe);
+        let found = by_trajectory(case, &sized, &smooth, stop, observe);
         (sized, found)
     };
     let (sized, first) = from(records.par_iter().map(|r| smoothed(system, r)).collect());

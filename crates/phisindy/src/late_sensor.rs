@@ -10,10 +10,6 @@ use phisindy_phys::{Record, SourceId, System, splice};
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
-/// How many times the delay that the residuals show a delay may be, and a lag: the cost is far from a parabola
-/// where a motion has turned round within the delay.
-const REACH: f64 = 30.0;
-
 impl Loaded {
     /// Identifies, and again with what each sensor is late by where the records ask for it; each then stands in the
     /// text as a constant that is to be found, and a warning tells of it.
@@ -23,7 +19,7 @@ impl Loaded {
     pub fn identified(
         self,
         options: &LearnOptions,
-        observe: &mut dyn FnMut(f64) -> ControlFlow<()>,
+        observe: &mut (dyn FnMut(f64) -> ControlFlow<()> + Send),
     ) -> Result<(Loaded, Identified), LearnError> {
         let found = identify(&self.case, &self.records, options, observe)?;
         let mut best = (self, found);
@@ -83,7 +79,7 @@ fn cutoff_name(column: &str) -> String {
 
 /// With a delay of the column in every record.
 fn with_delay(loaded: &Loaded, late: &LateColumn) -> Option<Loaded> {
-    let reach = REACH * late.delay.abs();
+    let reach = late.reach * late.delay.abs();
     let found =
         Number { name: delay_name(&late.name), start: late.delay, unit: "s", within: (-reach, reach) };
     edited(loaded, late, &found, "delay", &format!("\"{}\"", found.name))
@@ -96,8 +92,12 @@ fn with_lag(loaded: &Loaded, late: &LateColumn) -> Option<Loaded> {
         return None;
     }
     let start = 1.0 / (TAU * late.delay);
-    let found =
-        Number { name: cutoff_name(&late.name), start, unit: "Hz", within: (start / REACH, start * REACH) };
+    let found = Number {
+        name: cutoff_name(&late.name),
+        start,
+        unit: "Hz",
+        within: (start / late.reach, start * late.reach),
+    };
     let filter = format!("(order: 1, cutoff: \"{}\")", found.name);
     edited(loaded, late, &found, "lowpass", &filter)
 }

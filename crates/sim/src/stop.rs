@@ -2,6 +2,11 @@
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::time::Duration;
+
+/// Time between two questions whether the work is to end.
+const ASKS: Duration = Duration::from_millis(100);
 
 /// A wish that work ends early, from any thread. Clones share it.
 ///
@@ -26,6 +31,29 @@ impl Stop {
     /// Whether the end was asked for.
     pub fn requested(&self) -> bool {
         self.requested.load(Ordering::Relaxed)
+    }
+
+    /// Does some work, and asks again and again from another thread whether it is to end: a step of it may be long.
+    ///
+    /// ```
+    /// let stop = phisindy_sim::Stop::default();
+    /// let done = stop.during(|| true, || std::iter::repeat(()).take_while(|()| !stop.requested()).count());
+    /// assert!(done > 0);
+    /// ```
+    pub fn during<T>(&self, mut ends: impl FnMut() -> bool + Send, work: impl FnOnce() -> T) -> T {
+        // Dropped at the end of the work, also where it panics.
+        let (working, ended) = channel::<()>();
+        std::thread::scope(|scope| {
+            scope.spawn(move || {
+                while ended.recv_timeout(ASKS) == Err(RecvTimeoutError::Timeout) {
+                    if ends() {
+                        self.request();
+                    }
+                }
+            });
+            let _working = working;
+            work()
+        })
     }
 
     /// Whether work is to end without a result.

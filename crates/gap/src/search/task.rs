@@ -5,8 +5,6 @@ use crate::result::{Activity, RoundStart};
 use phisindy_phys::LawEntry;
 use phisindy_sim::Stop;
 use std::sync::Mutex;
-use std::sync::mpsc::{RecvTimeoutError, channel};
-use std::time::Duration;
 
 /// The inputs of a search.
 #[derive(Clone, Copy)]
@@ -51,8 +49,6 @@ const STRIDE: f64 = 0.02;
 /// The part of a search that one more effect is, and where the search ends.
 pub(crate) const ROUND: f64 = 0.8 / (MOST_EFFECTS + 1) as f64;
 pub(crate) const SEARCHED: f64 = 0.92;
-/// Time between two questions whether the work is to end.
-const ASKS: Duration = Duration::from_millis(100);
 
 impl<'a> Observer<'a> {
     /// Does some work with an observer that tells of the progress, and tells the last of it again and again
@@ -60,18 +56,11 @@ impl<'a> Observer<'a> {
     pub(crate) fn during<T>(tell: &'a mut Tell<'a>, work: impl FnOnce(&Observer<'a>) -> T) -> T {
         let told = Mutex::new(Told { tell, last: None, round: RoundStart::default() });
         let observer = Observer { told, stop: Stop::default() };
-        // Dropped at the end of the work, also where it panics.
-        let (working, ended) = channel::<()>();
-        std::thread::scope(|scope| {
-            scope.spawn(|| {
-                let ended = ended;
-                while ended.recv_timeout(ASKS) == Err(RecvTimeoutError::Timeout) {
-                    observer.hand_on(None);
-                }
-            });
-            let _working = working;
-            work(&observer)
-        })
+        let again = || {
+            observer.hand_on(None);
+            false
+        };
+        observer.stop().during(again, || work(&observer))
     }
 
     /// What ends fits once the end was asked for.

@@ -11,6 +11,8 @@ pub struct LateColumn {
     pub name: String,
     /// By about how much, in seconds; negative where all others are late.
     pub delay: f64,
+    /// How many times as large a fit may find it.
+    pub reach: f64,
     /// The square of a delay in its standard errors from which a fit convinces: the price of one number of those
     /// that were looked at (as of a term), and the odds of 19 to 1 against chance.
     pub needed: f64,

@@ -92,7 +92,7 @@ impl<'a> Context<'a> {
     /// A chain with these terms whose joints hold as well as the readings do.
     fn loose_chain(&self, terms: &[usize], coefficients: &[f64]) -> Option<Fit<'a>> {
         let pieces: Vec<usize> = self.records.iter().map(|r| (r.len() / CHAIN_SAMPLES).max(1)).collect();
-        let mut problem = Problem::new(self.system, terms, &self.records, &pieces).ok()?;
+        let mut problem = self.cut(terms, &pieces)?;
         problem.chained = true;
         let noise = self.spectral_noise();
         let weights = problem.weights(&noise, None);
@@ -118,8 +118,7 @@ impl<'a> Context<'a> {
     /// A chain as one run from where it starts; `None` if no single run follows it.
     fn unchained(&self, chain: &Fit<'a>) -> Option<Fit<'a>> {
         let terms = &chain.problem.terms;
-        let mut problem =
-            Problem::new(self.system, terms, &self.records, &vec![1; self.records.len()]).ok()?;
+        let mut problem = self.evenly_cut(terms, 1)?;
         problem.chained = true;
         let mut x = problem.guess(&chain.x[..terms.len()], None, &self.smooth);
         transfer(&chain.problem, &chain.x, &problem, &mut x);

@@ -17,6 +17,7 @@ use crate::trajectory::tally::{Tally, inflation, tally, weighed, whitened, white
 use phisindy_phys::spec::SegmentsSpec;
 use phisindy_phys::{Record, System};
 use phisindy_signal::{noise_level, whiteness_p_value};
+use phisindy_sim::Stop;
 
 /// A fitted model.
 pub(crate) struct Fit<'a> {
@@ -46,9 +47,23 @@ pub(crate) struct Context<'a> {
     /// Smoothed records, to start from.
     pub(crate) smooth: Vec<Record>,
     pub(crate) segments: SegmentsSpec,
+    /// Ends minimisations where they are.
+    pub(crate) stop: Stop,
 }
 
 impl<'a> Context<'a> {
+    /// A problem of these terms, each record cut into `pieces[r]` segments of equal length.
+    pub(crate) fn cut(&self, terms: &[usize], pieces: &[usize]) -> Option<Problem<'a>> {
+        let mut problem = Problem::new(self.system, terms, &self.records, pieces).ok()?;
+        problem.stop = self.stop.clone();
+        Some(problem)
+    }
+
+    /// A problem of these terms, each record cut into so many segments.
+    pub(crate) fn evenly_cut(&self, terms: &[usize], pieces: usize) -> Option<Problem<'a>> {
+        self.cut(terms, &vec![pieces; self.records.len()])
+    }
+
     /// Fits `terms` from scratch. `None` if the model cannot be simulated from any start tried.
     pub(crate) fn fresh_fit(&self, terms: &[usize], coefficients: &[f64]) -> Option<Fit<'a>> {
         let fit = self.over_segments(terms, coefficients)?;
@@ -72,9 +87,7 @@ impl<'a> Context<'a> {
         };
         for &pieces in &stages {
             let begun = |values: &[f64], parameters: Option<&[f64]>, from: Option<&Fit<'a>>| {
-                let mut problem =
-                    Problem::new(self.system, terms, &self.records, &vec![pieces; self.records.len()])
-                        .ok()?;
+                let mut problem = self.evenly_cut(terms, pieces)?;
                 problem.budget = from.map(|fit| fit.budget(fit.most_pieces().div_ceil(pieces)));
                 let mut x = problem.guess(values, parameters, &self.smooth);
                 if let Some(fit) = from {
@@ -140,7 +153,7 @@ impl<'a> Context<'a> {
             return None;
         }
         let short = self.misfit_of_guess(terms, coefficients)?;
-        let problem = Problem::new(self.system, terms, &self.records, &vec![1; self.records.len()]).ok()?;
+        let problem = self.evenly_cut(terms, 1)?;
         let x = problem.guess(coefficients, None, &self.smooth);
         if misfit(&problem, &x)? > DRIFT * short {
             return None;
@@ -160,7 +173,7 @@ impl<'a> Context<'a> {
         if !found.problem.terms.is_empty() || self.segments != SegmentsSpec::Auto {
             return None;
         }
-        let problem = Problem::new(self.system, &[], &self.records, &vec![1; self.records.len()]).ok()?;
+        let problem = self.evenly_cut(&[], 1)?;
         let x = problem.guess(&[], None, &self.smooth);
         let least = self.misfit(found)?;
         if misfit(&problem, &x)? > STRAIGHT_PROMISE * least {
@@ -237,9 +250,7 @@ impl<'a> Context<'a> {
             let limits = Limits::of(CHAIN_MINIMUM);
             chain.minimise(&mut x, &cut.weights, limits).ok()?;
         }
-        let mut single =
-            Problem::new(self.system, &cut.problem.terms, &self.records, &vec![1; self.records.len()])
-                .ok()?;
+        let mut single = self.evenly_cut(&cut.problem.terms, 1)?;
         let mut y = single.guess(&x[..cut.problem.terms.len()], None, &self.smooth);
         transfer(&chain, &x, &single, &mut y);
         for segment in &single.segments {
@@ -265,8 +276,7 @@ impl<'a> Context<'a> {
 
     /// The misfit of a guess over many short segments, without a fit.
     pub(crate) fn misfit_of_guess(&self, terms: &[usize], coefficients: &[f64]) -> Option<f64> {
-        let problem =
-            Problem::new(self.system, terms, &self.records, &vec![STAGES[0]; self.records.len()]).ok()?;
+        let problem = self.evenly_cut(terms, STAGES[0])?;
         let x = problem.guess(coefficients, None, &self.smooth);
         misfit(&problem, &x)
     }
@@ -321,7 +331,7 @@ impl<'a> Context<'a> {
 
     /// The problem for other terms, cut and joined as that of a fit.
     pub(crate) fn problem(&self, terms: &[usize], like: &Fit<'a>) -> Option<Problem<'a>> {
-        let mut problem = Problem::new(self.system, terms, &self.records, &like.pieces).ok()?;
+        let mut problem = self.cut(terms, &like.pieces)?;
         problem.continuity = like.problem.continuity.clone();
         problem.chained = like.problem.chained;
         problem.following = like.problem.following.clone();

@@ -51,7 +51,7 @@ impl<'a> Context<'a> {
         parts: &[usize],
     ) -> Option<(f64, Problem<'a>, Vec<f64>)> {
         let single = vec![1; self.records.len()];
-        let mut problem = Problem::new(self.system, terms, &self.records, &single).ok()?;
+        let mut problem = self.cut(terms, &single)?;
         let weights = problem.weights(&self.first_noise(&problem), None);
         let whole: Vec<(usize, usize)> = problem.segments.iter().map(|s| s.samples).collect();
         let estimated = problem.guess(coefficients, None, &self.smooth);
@@ -101,6 +101,7 @@ mod tests {
             records: records.iter().collect(),
             smooth: records.clone(),
             segments: SegmentsSpec::Auto,
+            stop: Default::default(),
         };
         let problem = Problem::new(&case.system, &[0], &context.records, &[1]).expect("a problem");
         let noise = context.first_noise(&problem);

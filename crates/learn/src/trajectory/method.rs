@@ -13,6 +13,7 @@ use crate::trajectory::report::report;
 use crate::trajectory::select::{Selection, rivals, select, without_noise_of_inputs};
 use phisindy_phys::spec::{Role, SegmentsSpec, SelectionSpec};
 use phisindy_phys::{Case, Record, System};
+use phisindy_sim::Stop;
 use std::ops::ControlFlow;
 
 /// Identifies by the trajectory method. `filled` is what [`super::initial::smoothed`] makes of the records.
@@ -20,6 +21,7 @@ pub(crate) fn by_trajectory(
     case: &Case,
     records: &[Record],
     filled: &[Record],
+    stop: &Stop,
     observe: &mut dyn FnMut(f64) -> ControlFlow<()>,
 ) -> Result<Identified, LearnError> {
     let system = &case.system;
@@ -30,6 +32,7 @@ pub(crate) fn by_trajectory(
         records: fitted.clone(),
         smooth,
         segments: case.learn.segments.unwrap_or(SegmentsSpec::Auto),
+        stop: stop.clone(),
     };
     let mut stopped = observe(0.02).is_break();
     let all: Vec<usize> = (0..system.terms.len()).collect();
@@ -56,7 +59,8 @@ pub(crate) fn by_trajectory(
         near.first().and_then(|(terms, worse)| alternative(system, &fit.problem.terms, terms, *worse));
     let further = if auto { context.nearly_there(&fit) } else { None };
     let further = further.map(|(t, worse)| Warning::Further { term: TermId::new(system, t), worse });
-    let stop_reason = if stopped { StopReason::Interrupted } else { StopReason::Finished };
+    let stop_reason =
+        if stopped || stop.requested() { StopReason::Interrupted } else { StopReason::Finished };
     let fit = from_regression(&context, context.with_starts_at_rest(fit), &regression);
     let fit = context.past_side_minima(fit);
     let late = late_column(&context, &fit);

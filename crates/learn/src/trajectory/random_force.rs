@@ -153,8 +153,7 @@ impl<'a> Context<'a> {
     fn forced(&self, fit: &Fit<'a>) -> Option<(Fit<'a>, f64)> {
         let terms = &fit.problem.terms;
         let n = self.system.states.len();
-        let mut problem =
-            Problem::new(self.system, terms, &self.records, &vec![1; self.records.len()]).ok()?;
+        let mut problem = self.evenly_cut(terms, 1)?;
         let mut x = problem.guess(&fit.x[..terms.len()], None, &self.smooth);
         transfer(&fit.problem, &fit.x, &problem, &mut x);
         for segment in &problem.segments {

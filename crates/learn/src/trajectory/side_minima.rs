@@ -89,6 +89,7 @@ mod tests {
             records: records.iter().collect(),
             smooth: records.clone(),
             segments: SegmentsSpec::Auto,
+            stop: Default::default(),
         };
         let problem = Problem::new(&case.system, &[0, 1, 2], &context.records, &[1]).expect("a problem");
         let noise = vec![vec![ColumnNoise { additive: 1e-6, relative: 0.02 }; 3]];
