@@ -528,7 +528,7 @@ pub(crate) struct Options {
     #[arg(long, global = true, value_enum, value_name = "METHOD")]
     pub(crate) method: Option<MethodArg>,
     /// Number of threads [default: all]
-    #[arg(long, global = true, value_name = "N", value_parser = threads)]
+    #[arg(long, global = true, value_name = "N", value_parser = threads, allow_negative_numbers = true)]
     pub(crate) jobs: Option<usize>,
     /// Longest time and most memory, as in 10min, 4GB or 10min,4GB, or none [default: 24h,8GB]
     #[arg(long, global = true, value_name = "LIMIT", value_parser = Limit::parse)]

@@ -45,32 +45,50 @@ pub(crate) fn by_trajectory(
     let chosen = case.learn.selection.unwrap_or(SelectionSpec::Auto);
     let auto = chosen == SelectionSpec::Auto;
     let Selection { fit, path } = start(&context, &all, &regression, auto, &mut hear)?;
-    let chain = auto.then(|| context.chained(&fit, &regression)).flatten();
-    let Selection { fit, path } = chain.unwrap_or(Selection { fit, path });
+    let selected = Selection { fit, path };
+    stopped |= observe(0.8).is_break();
+    let ends = stopped || stop.requested();
+    let (selected, warnings) =
+        if ends { (selected, vec![]) } else { refined(&context, selected, chosen, &all, &regression) };
+    stopped |= observe(0.9).is_break();
+    let fit = if ends { selected.fit } else { context.past_side_minima(selected.fit) };
+    let late = if stop.requested() { None } else { late_column(&context, &fit) };
+    let fit = if stop.requested() { fit } else { context.with_random_force(fit) };
+    let stop_reason =
+        if stopped || stop.requested() { StopReason::Interrupted } else { StopReason::Finished };
+    let found = report(case, records, filled, &fit, selected.path, stop_reason);
+    let mut found = Identified { late, ..found };
+    found.warnings.extend(warnings);
+    let singular = |&k: &usize| Warning::SingularCandidate { term: TermId::new(system, k) };
+    found.warnings.extend(regression.singular.iter().map(singular));
+    Ok(found)
+}
+
+/// What was selected, in a chain where that follows the records better, in its lowest minimum; with what is nearly as
+/// good.
+fn refined<'a>(
+    context: &Context<'a>,
+    selected: Selection<'a>,
+    chosen: SelectionSpec,
+    all: &[usize],
+    regression: &Regression,
+) -> (Selection<'a>, Vec<Warning>) {
+    let (system, auto) = (context.system, chosen == SelectionSpec::Auto);
+    let chain = auto.then(|| context.chained(&selected.fit, regression)).flatten();
+    let Selection { fit, path } = chain.unwrap_or(selected);
     let Selection { fit, path } = match chosen {
         SelectionSpec::Auto => Selection { fit, path },
-        SelectionSpec::All => Selection { fit: with_all_terms(&context, fit, &all), path },
-        SelectionSpec::Cutoff(cutoff) => cut_off(&context, with_all_terms(&context, fit, &all), cutoff),
+        SelectionSpec::All => Selection { fit: with_all_terms(context, fit, all), path },
+        SelectionSpec::Cutoff(cutoff) => cut_off(context, with_all_terms(context, fit, all), cutoff),
     };
-    let fit = if auto { without_noise_of_inputs(&context, fit, &all) } else { fit };
-    stopped |= observe(0.9).is_break();
-    let near = if auto { rivals(&context, &fit, &all) } else { vec![] };
+    let fit = if auto { without_noise_of_inputs(context, fit, all) } else { fit };
+    let near = if auto { rivals(context, &fit, all) } else { vec![] };
     let alternative =
         near.first().and_then(|(terms, worse)| alternative(system, &fit.problem.terms, terms, *worse));
     let further = if auto { context.nearly_there(&fit) } else { None };
     let further = further.map(|(t, worse)| Warning::Further { term: TermId::new(system, t), worse });
-    let stop_reason =
-        if stopped || stop.requested() { StopReason::Interrupted } else { StopReason::Finished };
-    let fit = from_regression(&context, context.with_starts_at_rest(fit), &regression);
-    let fit = context.past_side_minima(fit);
-    let late = late_column(&context, &fit);
-    let fit = context.with_random_force(fit);
-    let found = report(case, records, filled, &fit, path, stop_reason);
-    let mut found = Identified { late, ..found };
-    found.warnings.extend(alternative.into_iter().chain(further));
-    let singular = |&k: &usize| Warning::SingularCandidate { term: TermId::new(system, k) };
-    found.warnings.extend(regression.singular.iter().map(singular));
-    Ok(found)
+    let fit = from_regression(context, context.with_starts_at_rest(fit), regression);
+    (Selection { fit, path }, alternative.into_iter().chain(further).collect())
 }
 
 /// The fit with a coefficient that its records hardly tell, or that of the same terms from the regression of

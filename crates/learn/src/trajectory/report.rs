@@ -57,13 +57,17 @@ pub(crate) fn report(
     let failure = failure(fit);
     // Where the fit has not moved its covariance says nothing of the data.
     let fitted = failure.is_none();
+    // Work that is to end tells what it has, and fits and simulates no more than that takes.
+    let ends = fit.problem.stop.requested();
     let mut input_noise = InputNoiseEffect::default();
     if fitted {
         warnings.extend(inseparable(&bars.sandwich, &named, &fit.x));
         let numbers: Vec<Number> = named.iter().map(|(k, name)| (*k, name.clone(), bars.error(*k))).collect();
         warnings.extend(dependence(&numbers, &fit.normal, |how| differentiated_by(fit, how)));
-        input_noise = input_noise::effect(fit, &numbers);
-        warnings.extend(input_noise.warning.take());
+        if !ends {
+            input_noise = input_noise::effect(fit, &numbers);
+            warnings.extend(input_noise.warning.take());
+        }
     }
     let colour = coloured(fit);
     let only_noise = colour.is_none();
@@ -80,8 +84,11 @@ pub(crate) fn report(
     }
     warnings.extend(chaos.map(Warning::Chaotic).or_else(|| segmented(fit)));
     warnings.extend(sensitive_starts(&fits));
-    let Agreement { warnings: apart, scatter } =
-        disagreements(fit, &bars.sandwich, &solution, records, filled, &fits, &chains);
+    let Agreement { warnings: apart, scatter } = if ends {
+        Agreement::default()
+    } else {
+        disagreements(fit, &bars.sandwich, &solution, records, filled, &fits, &chains)
+    };
     warnings.extend(apart);
     let of = |all: &[f64], k: usize| all.get(k).copied().unwrap_or(0.0);
     let variance = |k: usize| of(&scatter, k) + of(&input_noise.variance, k);
@@ -90,7 +97,7 @@ pub(crate) fn report(
         p.estimate.widen(variance(k));
         p.estimate.ci95 = (p.estimate.ci95.0.max(p.bounds.0), p.estimate.ci95.1.min(p.bounds.1));
     }
-    let horizon = horizons(fit, records, filled, &solution, &fits);
+    let horizon = if ends { vec![] } else { horizons(fit, records, filled, &solution, &fits) };
     let without = free_runs(system, records, filled, &mut known_part(solution, records));
     let remainder = remainders(fit);
     let judged = match &fit.force {
@@ -111,7 +118,7 @@ pub(crate) fn report(
         fits[r].noise = noise_of(fit, i);
     }
     let numbers: Vec<usize> = named.iter().map(|(k, _)| *k).collect();
-    let freed = case.with_constants.as_deref().filter(|_| fitted && !fit.problem.chained);
+    let freed = case.with_constants.as_deref().filter(|_| fitted && !ends && !fit.problem.chained);
     Identified {
         method: Method::Trajectory,
         selection: with_nrmse(path, terms.len(), unknowns.fitted.iter().map(|&r| &fits[r])),
@@ -170,7 +177,7 @@ fn limited(held: Verdict, fit: &Fit<'_>, terms: &[FoundTerm], warnings: &[Warnin
         }
         _ => None,
     };
-    if let Some(apart) = contradiction(fit) {
+    if let Some(apart) = Some(fit).filter(|fit| !fit.problem.stop.requested()).and_then(contradiction) {
         return Verdict::Contradictory(apart);
     }
     if !held.holds() {

@@ -109,11 +109,14 @@ impl ResultFolder {
                     let (of, path) = (of.canonicalize().ok()?, path.canonicalize().ok()?);
                     of.strip_prefix(path).map(Path::to_owned).ok()
                 };
-                if std::env::current_dir().is_ok_and(|here| inside(&here).is_some())
-                    || path.parent().is_none()
-                {
+                let here = std::env::current_dir().ok().and_then(|here| inside(&here));
+                if here.is_some() || path.parent().is_none() {
+                    let what = match here {
+                        Some(here) if here.as_os_str().is_empty() => "is",
+                        _ => "holds",
+                    };
                     return Err(unfit(format!(
-                        "`{shown}` is the working folder: a result is a folder of its own, as in `found`"
+                        "`{shown}` {what} the working folder: a result is a folder of its own, as in `found`"
                     )));
                 }
                 if is_mounted(&path) {
