@@ -20,7 +20,13 @@ fn line(slope: f64) -> Vec<f64> {
 }
 
 fn context<'a>(case: &'a Case, records: &'a [Record], segments: SegmentsSpec) -> Context<'a> {
-    Context { system: &case.system, records: records.iter().collect(), smooth: records.to_vec(), segments }
+    Context {
+        system: &case.system,
+        records: records.iter().collect(),
+        smooth: records.to_vec(),
+        segments,
+        stop: Stop::default(),
+    }
 }
 
 /// Slope, and the mean square of what is left.

@@ -42,6 +42,7 @@ fn context<'a>(case: &'a Case, records: &'a [Record]) -> Context<'a> {
         records: records.iter().filter(|r| r.role == Role::Fit).collect(),
         smooth: records.iter().filter(|r| r.role == Role::Fit).cloned().collect(),
         segments: SegmentsSpec::Auto,
+        stop: Stop::default(),
     }
 }
 
@@ -53,7 +54,7 @@ fn learned(
 ) -> Result<Identified, LearnError> {
     let smooth: Vec<Record> =
         records.iter().map(|r| crate::trajectory::initial::smoothed(&case.system, r)).collect();
-    by_trajectory(case, records, &smooth, observe)
+    by_trajectory(case, records, &smooth, &Stop::default(), observe)
 }
 
 fn identified(learn: &str, samples: &[(Role, Vec<f64>)]) -> Identified {

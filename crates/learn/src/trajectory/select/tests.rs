@@ -6,6 +6,7 @@ use crate::line_models::{STEP, fitted_terms, records, scatter};
 use approx::assert_relative_eq;
 use phisindy_phys::spec::{Role, SegmentsSpec};
 use phisindy_phys::{Case, Record};
+use phisindy_sim::Stop;
 
 const SIGMA: f64 = 0.1;
 const SAMPLES: usize = 80;
@@ -34,6 +35,7 @@ fn context<'a>(case: &'a Case, records: &'a [Record]) -> Context<'a> {
         records: vec![&records[0]],
         smooth: records.to_vec(),
         segments: SegmentsSpec::Count(1),
+        stop: Stop::default(),
     }
 }
 
