@@ -10,7 +10,7 @@ pub(crate) use effect::{bindings, fits, is_force, needs, product};
 pub(crate) use known_force::known_forces;
 pub use needs::Needs;
 
-use phisindy_expr::Id;
+use phisindy_expr::{Graph, Id};
 use phisindy_phys::unit::{Dimension, Unit};
 use phisindy_phys::{Contact, Output, RecordPlan, System};
 
@@ -111,6 +111,72 @@ impl Place {
             return "rad".into();
         }
         product(&parts)
+    }
+}
+
+/// What a unit force at a place does to the rate of a state.
+pub(crate) struct Entered<T> {
+    pub(crate) state: usize,
+    /// What the state is of the speed of the place: 1, -1, or 0 of one that only follows.
+    pub(crate) part: f64,
+    /// The rate.
+    pub(crate) rate: T,
+}
+
+/// How rates are made: as numbers, or as nodes of a graph.
+pub(crate) trait Rates {
+    type Rate: Copy;
+    /// The rate of a state by a unit force on it, with this sign.
+    fn unit(&mut self, act: (usize, f64)) -> Self::Rate;
+    /// What follows from a rate by the coupling of this place in [`System::coupling`].
+    fn following(&mut self, coupling: usize, rate: Self::Rate) -> Self::Rate;
+    fn sum(&mut self, a: Self::Rate, b: Self::Rate) -> Self::Rate;
+}
+
+/// What a unit force does that acts on these states, each with its sign: on them, and on all that follow.
+pub(crate) fn entered<R: Rates>(
+    system: &System,
+    acts: &[(usize, f64)],
+    rates: &mut R,
+) -> Vec<Entered<R::Rate>> {
+    let part = |j: usize| if j == 0 { 1.0 } else { -1.0 };
+    let own = acts.iter().enumerate();
+    let mut all: Vec<Entered<R::Rate>> =
+        own.map(|(j, &act)| Entered { state: act.0, part: part(j), rate: rates.unit(act) }).collect();
+    let direct: Vec<R::Rate> = all.iter().map(|e| e.rate).collect();
+    for (&(state, _), rate) in acts.iter().zip(direct) {
+        for (j, &(_, other, _)) in system.coupling.iter().enumerate().filter(|(_, (of, ..))| *of == state) {
+            let more = rates.following(j, rate);
+            match all.iter_mut().find(|e| e.state == other) {
+                Some(e) => e.rate = rates.sum(e.rate, more),
+                None => all.push(Entered { state: other, part: 0.0, rate: more }),
+            }
+        }
+    }
+    all
+}
+
+/// Rates as nodes of a graph.
+pub(crate) struct Nodes<'a> {
+    pub(crate) system: &'a System,
+    pub(crate) graph: &'a mut Graph,
+}
+
+impl Rates for Nodes<'_> {
+    type Rate = Id;
+
+    fn unit(&mut self, (state, sign): (usize, f64)) -> Id {
+        let one = self.graph.constant(1.0);
+        let over = self.graph.div(one, self.system.inertia[state].unwrap_or(one));
+        if sign < 0.0 { self.graph.neg(over) } else { over }
+    }
+
+    fn following(&mut self, coupling: usize, rate: Id) -> Id {
+        self.graph.mul(self.system.coupling[coupling].2, rate)
+    }
+
+    fn sum(&mut self, a: Id, b: Id) -> Id {
+        self.graph.add(a, b)
     }
 }
 

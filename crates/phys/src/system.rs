@@ -10,6 +10,7 @@ pub(crate) mod check;
 pub(crate) mod constants;
 pub(crate) mod equations;
 pub(crate) mod filter;
+mod lagrange;
 pub(crate) mod model;
 pub(crate) mod note;
 pub(crate) mod plan;

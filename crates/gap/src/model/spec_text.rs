@@ -166,6 +166,11 @@ fn force(
     let sign = |sign: f64| if sign < 0.0 { '-' } else { '+' };
     for &(state, way) in acts {
         let name = &model.system.states[state].name;
+        if model.given.spec.is_moved(name) {
+            let signed = if way < 0.0 { format!("-({force})") } else { force.clone() };
+            text.set(&format!("energy.forces.\"{signed}\""), &format!("\"{name}\""))?;
+            continue;
+        }
         let inertia = model.given.spec.inertia.iter().find(|(n, _)| n.value == *name).map(|(_, m)| &m.value);
         let over = inertia.map_or(String::new(), |m| format!("/({m})"));
         let Some((_, rate)) = parts.rates.iter_mut().find(|(n, _)| n == name) else { continue };

@@ -172,12 +172,11 @@ impl TrialModel {
                         Some(inertia) => system.graph.div(force, inertia),
                         None => force,
                     };
-                    let known = system.known[state];
-                    system.known[state] = if sign < 0.0 {
-                        system.graph.sub(known, share)
-                    } else {
-                        system.graph.add(known, share)
-                    };
+                    let (mut graph, mut rates) =
+                        (std::mem::take(&mut system.graph), std::mem::take(&mut system.known));
+                    let share = if sign < 0.0 { graph.neg(share) } else { share };
+                    system.add_rate(&mut graph, &mut rates, state, share);
+                    (system.graph, system.known) = (graph, rates);
                 }
                 for &(output, sign) in shows {
                     let reads = system.outputs[output].reading;

@@ -8,7 +8,7 @@ use super::trial::holding_rates;
 use crate::decisions::FORMULA_ROWS;
 use crate::evaluate::evaluated;
 use crate::model::TrialModel;
-use crate::place::{Place, Site};
+use crate::place::{Nodes, Place, Site, entered};
 use phisindy_expr::{Tape, wide};
 use phisindy_learn::Calibration;
 use phisindy_phys::System;
@@ -34,6 +34,7 @@ pub(crate) struct PartialRegression {
 
 /// The motion at a place, in each record.
 pub(crate) struct Kinematics {
+    /// The states whose rates a force there changes, each with what it is of the speed of the place.
     acts: Vec<(usize, f64)>,
     shows: Vec<(usize, f64)>,
     place: Place,
@@ -141,16 +142,13 @@ impl PartialRegression {
     pub(crate) fn kinematics(&self, system: &System, place: &Place) -> Option<Kinematics> {
         let Site::Force { displacement, velocity, acts, shows, .. } = &place.site else { return None };
         let mut graph = system.graph.clone();
-        let one = graph.constant(1.0);
         let mut roots = vec![velocity.node];
-        for &(state, sign) in acts {
-            let over = graph.div(one, system.inertia[state].unwrap_or(one));
-            roots.push(if sign < 0.0 { graph.neg(over) } else { over });
-        }
+        let entered = entered(system, acts, &mut Nodes { system, graph: &mut graph });
+        roots.extend(entered.iter().map(|e| e.rate));
         roots.extend(displacement.as_ref().map(|d| d.node));
         let tape = Tape::compile(&graph, &system.arguments(), &roots).ok()?;
         let mut out = Kinematics {
-            acts: acts.clone(),
+            acts: entered.iter().map(|e| (e.state, e.part)).collect(),
             shows: shows.clone(),
             place: place.clone(),
             displacement: vec![],

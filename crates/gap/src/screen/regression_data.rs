@@ -8,7 +8,7 @@ use crate::drive::Drive;
 use crate::evaluate::{evaluated, speed};
 use crate::model::TrialModel;
 use crate::motion::{Motion, rest_threshold, resting};
-use crate::place::Site;
+use crate::place::{Entered, Rates, Site, entered};
 use crate::whiteness::lines;
 use phisindy_expr::{Id, Tape};
 use phisindy_learn::Calibration;
@@ -79,6 +79,7 @@ impl Base {
         }
         let one = graph.constant(1.0);
         outputs.extend(system.inertia.iter().map(|m| m.unwrap_or(one)));
+        outputs.extend(system.coupling.iter().map(|&(.., ratio)| ratio));
         let tape = Tape::compile(&graph, &system.arguments(), &outputs).ok()?;
         let outputs = if system.outputs.is_empty() { None } else { Some(OutputTape::new(system)?) };
         Some(Base { tape, n, parameters: parameters.len(), outputs })
@@ -131,8 +132,9 @@ impl Base {
             let rests = resting(&speed, rest_threshold(&speed), least);
             let own = system.contacts.iter().any(|c| c.node == velocity.node && system.rubs(c));
             if own {
-                let inertia = |k: usize, i: usize| values[n + n * n + n * self.parameters + k][i];
-                balance(&mut rates, n, acts, &rests, &inertia);
+                let numbers = &values[n + n * n + n * self.parameters..];
+                let at = |sample: usize| entered(system, acts, &mut AtSample { numbers, n, sample });
+                balance(&mut rates, n, &rests, &at);
             }
             let stuck_state = system.state(&place.at).filter(|_| own);
             still.push(PlaceAtRest { at: place.at.clone(), rests, stuck_state });
@@ -174,6 +176,29 @@ impl Base {
     }
 }
 
+/// Rates at a sample of a motion: the inertia of each of `n` states, then the ratio of each coupling.
+struct AtSample<'a> {
+    numbers: &'a [Vec<f64>],
+    n: usize,
+    sample: usize,
+}
+
+impl Rates for AtSample<'_> {
+    type Rate = f64;
+
+    fn unit(&mut self, (state, sign): (usize, f64)) -> f64 {
+        sign / self.numbers[state][self.sample]
+    }
+
+    fn following(&mut self, coupling: usize, rate: f64) -> f64 {
+        self.numbers[self.n + coupling][self.sample] * rate
+    }
+
+    fn sum(&mut self, a: f64, b: f64) -> f64 {
+        a + b
+    }
+}
+
 /// The known rates less `A x`, sample by sample.
 fn bracket(rates: &[f64], a: &[f64], states: &[f64], n: usize) -> Vec<f64> {
     let row = |(i, rate): (usize, &f64)| {
@@ -184,23 +209,17 @@ fn bracket(rates: &[f64], a: &[f64], states: &[f64], n: usize) -> Vec<f64> {
 }
 
 /// Friction of the model balances the other forces on two bodies, or on one, while they rest against each
-/// other: takes what would part them out of their rates. `inertia` is that of a state at a sample.
-fn balance(
-    rates: &mut [f64],
-    n: usize,
-    acts: &[(usize, f64)],
-    rests: &[bool],
-    inertia: &dyn Fn(usize, usize) -> f64,
-) {
+/// other: takes what would part them out of their rates. `entered` says what friction does at a sample.
+fn balance(rates: &mut [f64], n: usize, rests: &[bool], entered: &dyn Fn(usize) -> Vec<Entered<f64>>) {
     for i in (0..rests.len()).filter(|&i| rests[i]) {
+        let all = entered(i);
         let (mut toward, mut give) = (0.0, 0.0);
-        for (j, &(k, sign)) in acts.iter().enumerate() {
-            let c = if j == 0 { 1.0 } else { -1.0 };
-            toward += c * rates[i * n + k];
-            give += c * sign / inertia(k, i);
+        for e in &all {
+            toward += e.part * rates[i * n + e.state];
+            give += e.part * e.rate;
         }
-        for &(k, sign) in acts {
-            rates[i * n + k] -= toward / give * sign / inertia(k, i);
+        for e in &all {
+            rates[i * n + e.state] -= toward / give * e.rate;
         }
     }
 }

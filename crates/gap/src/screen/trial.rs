@@ -7,7 +7,7 @@ use crate::memory::internal_states;
 use super::grid::grids;
 use super::regressors::{Axis, Regressors};
 use crate::motion::Motion;
-use crate::place::{Effect, Place, Site};
+use crate::place::{Effect, Nodes, Place, Site, entered};
 use phisindy_expr::{Id, Tape};
 use phisindy_phys::System;
 
@@ -148,6 +148,8 @@ struct Program {
     /// The rate that each regressor adds to each body, the rate for unit friction, then velocity and
     /// displacement.
     tape: Tape,
+    /// The states whose rates the force changes, each with what it is of the speed of the place.
+    acts: Vec<(usize, f64)>,
     /// Rates of the internal states, then the derivative of each by its own state.
     inner: Option<Tape>,
     /// Number of internal states.
@@ -162,11 +164,9 @@ impl Program {
         let mut graph = regressors.graph.clone();
         let one = graph.constant(1.0);
         let mut outputs = Vec::new();
+        let entered = entered(system, acts, &mut Nodes { system, graph: &mut graph });
         for &column in regressors.columns.iter().chain([&one]) {
-            for &(state, sign) in acts {
-                let over = graph.div(column, system.inertia[state].unwrap_or(one));
-                outputs.push(if sign < 0.0 { graph.neg(over) } else { over });
-            }
+            outputs.extend(entered.iter().map(|e| graph.mul(column, e.rate)));
             for &(_, sign) in shows {
                 outputs.push(if sign < 0.0 { graph.neg(column) } else { column });
             }
@@ -181,7 +181,8 @@ impl Program {
         let rates: Vec<Id> = internal.iter().map(|(_, rate)| *rate).chain(slopes).collect();
         let tape = Tape::compile(&graph, &all, &outputs).ok()?;
         let inner = if rates.is_empty() { None } else { Some(Tape::compile(&graph, &all, &rates).ok()?) };
-        Some(Program { tape, inner, states: internal.len(), count: regressors.columns.len() })
+        let acts = entered.iter().map(|e| (e.state, e.part)).collect();
+        Some(Program { tape, acts, inner, states: internal.len(), count: regressors.columns.len() })
     }
 
     /// Internal states along the motion of each record, for up to [`LANES`] combinations of grid values:
@@ -205,7 +206,8 @@ impl Program {
         grid: &[f64],
         memory: &[Vec<Vec<f64>>],
     ) -> Option<Vec<Vec<f64>>> {
-        let Site::Force { acts, shows, .. } = &effect.place.site else { return None };
+        let Site::Force { shows, .. } = &effect.place.site else { return None };
+        let acts = &self.acts;
         let (n, width) = (system.states.len(), acts.len() + shows.len());
         let sticks = effect.entry.law.sticks();
         let mut columns: Vec<Vec<f64>> = vec![vec![]; self.count];
@@ -267,10 +269,9 @@ pub(super) fn holding_rates(
     let carried = carried(system, &data.motion, place).filter(|_| !at_rest.is_empty());
     for &i in at_rest {
         let (mut toward, mut give) = (0.0, 0.0);
-        for (j, &(state, _)) in acts.iter().enumerate() {
-            let c = if j == 0 { 1.0 } else { -1.0 };
-            toward += c * data.rates[i * n + state];
-            give += c * unit[j][i];
+        for (j, &(state, part)) in acts.iter().enumerate() {
+            toward += part * data.rates[i * n + state];
+            give += part * unit[j][i];
         }
         toward -= carried.as_ref().map_or(0.0, |acceleration| acceleration[i]);
         for (j, &(state, _)) in acts.iter().enumerate() {

@@ -388,6 +388,8 @@ impl Written {
             states: self.internal.iter().map(|(name, unit, _)| (name.clone(), unit.clone())).collect(),
             inputs: self.roles.clone(),
             outputs: self.forces.iter().map(output).collect(),
+            definitions: vec![],
+            energy: None,
             known: self.internal.iter().map(|(name, _, rate)| (name.clone(), rate.clone())).collect(),
             inertia: vec![],
             unknown: vec![],

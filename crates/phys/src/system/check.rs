@@ -3,6 +3,7 @@
 mod checker;
 mod constants;
 mod csv;
+mod energy;
 mod filters;
 mod rates;
 mod record;

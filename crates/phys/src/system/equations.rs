@@ -139,6 +139,9 @@ pub struct System {
     pub known: Vec<Id>,
     /// What turns a force into the rate of a state, where the spec says it.
     pub inertia: Vec<Option<Id>>,
+    /// A speed of a mechanism, another one, and the rate of the latter that comes with a rate of 1 of the former
+    /// from a force along it.
+    pub coupling: Vec<(usize, usize, Id)>,
     /// The dictionary, in the order of the spec.
     pub terms: Vec<Term>,
     /// What may move, in the order of the spec.
@@ -173,10 +176,10 @@ impl System {
             sums[term.state] = Some((term.factor, sum));
             parameters.push(coefficient);
         }
-        for (rate, sum) in rates.iter_mut().zip(sums) {
+        for (state, sum) in sums.into_iter().enumerate() {
             if let Some((factor, sum)) = sum {
                 let unknown = graph.mul(factor, sum);
-                *rate = graph.add(*rate, unknown);
+                self.add_rate(&mut graph, &mut rates, state, unknown);
             }
         }
         parameters.extend(self.parameters.iter().map(|p| p.node));
@@ -191,6 +194,15 @@ impl System {
             parameters,
             rates,
             outputs,
+        }
+    }
+
+    /// Adds what a force does to the rate of its state, and to the rates of all speeds that it moves too.
+    pub fn add_rate(&self, graph: &mut Graph, rates: &mut [Id], state: usize, share: Id) {
+        rates[state] = graph.add(rates[state], share);
+        for &(_, other, ratio) in self.coupling.iter().filter(|(of, ..)| *of == state) {
+            let with = graph.mul(ratio, share);
+            rates[other] = graph.add(rates[other], with);
         }
     }
 

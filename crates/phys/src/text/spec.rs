@@ -5,6 +5,7 @@
 //! stage to say, with the spans kept here.
 
 mod constant;
+mod energy;
 pub(crate) mod group;
 mod input;
 mod leaf;
@@ -14,6 +15,7 @@ mod read;
 pub(crate) mod reader;
 mod record;
 
+pub use energy::EnergySpec;
 pub use read::{read, read_without_data};
 
 use phisindy_expr::Span;
@@ -46,6 +48,11 @@ pub struct Spec {
     pub inputs: Vec<(Text, Text)>,
     /// What sensors read that is neither a state nor an input.
     pub outputs: Vec<(Text, OutputSpec)>,
+    /// Names for expressions, each of which may use those before it.
+    pub definitions: Vec<(Text, Text)>,
+    /// The energies of a mechanism. Its coordinates and speeds are among [`Spec::states`], the rates of its
+    /// coordinates in [`Spec::known`].
+    pub energy: Option<EnergySpec>,
     /// The known rate of each state.
     pub known: Vec<(Text, Text)>,
     /// What turns a force into the rate of a state; 1 where nothing is given.
@@ -58,6 +65,13 @@ pub struct Spec {
     pub data: Vec<DataSpec>,
     /// How to identify.
     pub learn: LearnSpec,
+}
+
+impl Spec {
+    /// Whether a state is a speed whose rate follows from energies: what acts along it is then a force.
+    pub fn is_moved(&self, state: &str) -> bool {
+        self.energy.iter().flat_map(|e| &e.coordinates).any(|(_, (speed, _))| speed.value == state)
+    }
 }
 
 /// What a sensor reads: an expression of states, inputs, constants, time, and rates of states as `rate(v)`.

@@ -51,6 +51,8 @@ pub(crate) fn dimensions(spec: &Spec, source: SourceId) -> Result<Vec<Coefficien
 /// The factor times the candidate of a term.
 struct Product<'s> {
     state: &'s str,
+    /// What the whole term measures: a rate, or the force along a speed of a mechanism.
+    due: Measure,
     product: Measure,
     /// Of its state, where the spec states one.
     inertia: Option<Measure>,
@@ -87,6 +89,11 @@ impl<'s> Survey<'s> {
             self.names.insert(&name.value, Quantity::varying(measure));
         }
         self.constants();
+        for (name, text) in &spec.definitions {
+            let found = self.quantity(text);
+            self.names.insert(&name.value, Quantity { value: None, ..found });
+        }
+        self.energies();
         for (name, text) in &spec.known {
             self.rate(name, text, "its rate");
         }
@@ -206,6 +213,43 @@ impl<'s> Survey<'s> {
         }
     }
 
+    /// All energies are of one kind, what is lost in a second too, and a force times its speed.
+    fn energies(&mut self) {
+        let Some(energy) = &self.spec.energy else { return };
+        let kinetic = self.measure(&energy.kinetic);
+        let power = kinetic.times(&Measure::Fixed(Form::known(Dimension::SECOND)), -1.0);
+        let like = |survey: &mut Self, what: &str, due: &Measure, text: &Text, is: Measure| {
+            if let Some((due, is)) = survey.differ(due, &is) {
+                let missing = survey.suggestion(&due, &is);
+                survey.mistakes.push(survey.words.energy(what, text, [&due, &is], missing));
+            }
+        };
+        for (what, due, text) in
+            [("potential", &kinetic, &energy.potential), ("dissipation", &power, &energy.dissipation)]
+        {
+            let Some(text) = text else { continue };
+            let is = self.measure(text);
+            like(self, what, due, text, is);
+        }
+        for (force, along) in &energy.forces {
+            let is = self.measure(force).times(&self.measure(along), 1.0);
+            like(self, "a force times its speed", &power, force, is);
+        }
+    }
+
+    /// The force along a speed of a mechanism; the rate of another state.
+    fn due_along(&mut self, state: &str) -> Measure {
+        match self.spec.energy.as_ref().filter(|_| self.spec.is_moved(state)) {
+            Some(energy) => {
+                let work = self.quietly(&energy.kinetic);
+                let second = Measure::Fixed(Form::known(Dimension::SECOND));
+                let speed = self.names.get(state).map_or(Measure::Loose(None), |q| q.measure.clone());
+                work.times(&speed.times(&second, 1.0), -1.0)
+            }
+            None => self.rate_of(state),
+        }
+    }
+
     fn products(&mut self) -> Vec<Product<'s>> {
         let spec = self.spec;
         let mut products = Vec::new();
@@ -221,7 +265,14 @@ impl<'s> Survey<'s> {
                     own.is_empty() || term.into_iter().any(|name| own.contains(&name))
                 });
                 let product = factor.times(&self.measure(candidate), 1.0);
-                products.push(Product { state: &name.value, product, inertia: measured.clone(), inside });
+                let due = self.due_along(&name.value);
+                products.push(Product {
+                    state: &name.value,
+                    due,
+                    product,
+                    inertia: measured.clone(),
+                    inside,
+                });
             }
         }
         products
@@ -229,7 +280,7 @@ impl<'s> Survey<'s> {
 
     fn coefficient(&self, term: &Product<'_>) -> CoefficientUnit {
         let unit = |measure: Measure| self.unknowns.resolved(measure.plainly()?).dimension();
-        let coefficient = self.rate_of(term.state).times(&term.product, -1.0);
+        let coefficient = term.due.times(&term.product, -1.0);
         let outside = term.inertia.as_ref().filter(|_| !term.inside);
         let force = outside.and_then(|inertia| unit(coefficient.times(inertia, 1.0)));
         let state = self.names.get(term.state).map_or(Measure::Loose(None), |q| q.measure.clone());
@@ -245,7 +296,16 @@ impl<'s> Survey<'s> {
 
     fn synthetic(&mut self, data: &'s SyntheticSpec) {
         for (state, text) in &data.truth {
-            self.rate(state, text, "the truth's part of it");
+            if !self.spec.is_moved(&state.value) {
+                self.rate(state, text, "the truth's part of it");
+                continue;
+            }
+            let (due, is) = (self.due_along(&state.value), self.measure(text));
+            if let Some((due, is)) = self.differ(&due, &is) {
+                let missing = self.suggestion(&due, &is);
+                let what = ("the force along", "the truth's part of it");
+                self.mistakes.push(self.words.assigned(what, state, text, [&due, &is], missing));
+            }
         }
         self.derived(&data.derive);
         for (name, input) in &data.inputs {

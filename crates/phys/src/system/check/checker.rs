@@ -5,7 +5,7 @@ use crate::text::diagnostic::{Diagnostic, SourceId};
 use crate::text::spec::{Number, Text};
 use crate::units::unit::{Scale, Unit};
 use phisindy_expr::{Graph, Id, Names, Span, Symbol, nearest, ops, parse_with};
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 /// Most bytes of a name.
 const LONGEST_NAME: usize = 100;
@@ -19,6 +19,8 @@ pub(super) struct Checker {
     /// Where each name of the system was declared, to explain clashes and to offer hints.
     declared: Vec<(String, Span)>,
     pub(super) constants: Constants,
+    /// What the names of `let` stand for.
+    definitions: HashMap<Id, Id>,
     /// Constants that some expression uses.
     pub(super) used: HashSet<String>,
     /// Laws of the catalogue that `unknown` names, each with its state.
@@ -36,6 +38,7 @@ impl Checker {
             diagnostics: vec![],
             declared: vec![],
             constants: Constants::default(),
+            definitions: HashMap::new(),
             used: HashSet::new(),
             laws: vec![],
             searches: vec![],
@@ -120,6 +123,15 @@ impl Checker {
         });
     }
 
+    /// Lets a name stand for an expression in all that follow.
+    pub(super) fn define(&mut self, name: &Text, text: &Text, allowed: &[&str]) {
+        let symbol = self.declare(name, "name for an expression");
+        let node = self.graph.symbol(symbol);
+        // After a mistake the name stays known: what else uses it is right.
+        let meaning = self.expression(text, allowed).unwrap_or_else(|| self.graph.constant(1.0));
+        self.definitions.insert(node, meaning);
+    }
+
     /// Parses and lowers an expression in which the `allowed` names (and constants) may stand; fixed
     /// constants become numbers.
     pub(super) fn expression(&mut self, text: &Text, allowed: &[&str]) -> Option<Id> {
@@ -151,7 +163,10 @@ impl Checker {
         let known = |name: &str| allowed.contains(&name) || constants.knows(name);
         let lowered = self.graph.lower(&ast, |name| known(name).then(|| names.get(name)).flatten());
         match lowered {
-            Ok(root) => Some(self.constants.folded(&mut self.graph, root)),
+            Ok(root) => {
+                let root = self.graph.replace(&[root], &self.definitions)[0];
+                Some(self.constants.folded(&mut self.graph, root))
+            }
             Err(unknown) => {
                 let constants: Vec<String> = self.constants.names().map(str::to_owned).collect();
                 let mut all: Vec<&str> = allowed.to_vec();

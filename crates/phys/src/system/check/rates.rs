@@ -60,6 +60,10 @@ impl Checker {
         let mut allowed: Vec<&str> = vec!["t"];
         allowed.extend(spec.states.iter().map(|(n, _)| n.value.as_str()));
         allowed.extend(spec.inputs.iter().map(|(n, _)| n.value.as_str()));
+        for (name, text) in &spec.definitions {
+            self.define(name, text, &allowed);
+            allowed.push(&name.value);
+        }
 
         let zero = self.graph.constant(0.0);
         let mut known = vec![zero; states.len()];
@@ -69,9 +73,11 @@ impl Checker {
                 known[k] = id;
             }
         });
-        for (name, _) in
-            spec.states.iter().filter(|(n, _)| !spec.known.iter().any(|(k, _)| k.value == n.value))
-        {
+        let nodes: Vec<Id> = states.iter().map(|s| s.node).collect();
+        let mechanism = self.mechanism(spec, &allowed, &nodes, time);
+        mechanism.rates.iter().for_each(|&(k, rate)| known[k] = rate);
+        let moves = |name: &str| spec.is_moved(name) || spec.known.iter().any(|(k, _)| k.value == name);
+        for (name, _) in spec.states.iter().filter(|(n, _)| !moves(&n.value)) {
             self.error(format!("state `{}` has no rate", name.value), name.span, "declared here")
                 .help
                 .push(format!("add `\"{}\": \"...\"` to `known`; the rate may be \"0\"", name.value));
@@ -79,13 +85,16 @@ impl Checker {
         self.per_state("inertia", &spec.inertia, spec, |checker, k, text| {
             inertia[k] = checker.expression(text, &allowed);
         });
+        mechanism.inertia.iter().for_each(|&(k, own)| inertia[k] = Some(own));
         for k in 0..states.len() {
             states[k].velocity = (0..states.len()).find(|&v| v != k && states[v].node == known[k]);
         }
         let mut terms = Vec::new();
         let entries: Vec<(Text, UnknownSpec)> = spec.unknown.clone();
         self.per_state("unknown", &entries, spec, |checker, k, unknown| {
-            checker.terms(k, unknown, &allowed, &mut terms);
+            // Along a speed of a mechanism what is unknown is a force.
+            let own = mechanism.inertia.iter().find(|(speed, _)| *speed == k).map(|&(_, own)| own);
+            checker.terms((k, own), unknown, &allowed, &mut terms);
         });
         let (rate_symbols, outputs) = self.outputs(outputs, &states, &allowed);
         let system_states: Vec<Id> = states.iter().map(|s: &State| s.node).collect();
@@ -102,6 +111,7 @@ impl Checker {
             rate_symbols,
             known,
             inertia,
+            coupling: mechanism.coupling,
             terms,
             parameters,
             record_constants: self.constants.of_records(),
@@ -158,12 +168,19 @@ impl Checker {
         }
     }
 
-    fn terms(&mut self, state: usize, unknown: &UnknownSpec, allowed: &[&str], terms: &mut Vec<Term>) {
+    fn terms(
+        &mut self,
+        (state, inertia): (usize, Option<Id>),
+        unknown: &UnknownSpec,
+        allowed: &[&str],
+        terms: &mut Vec<Term>,
+    ) {
         let one = self.graph.constant(1.0);
         let factor = match &unknown.factor {
             Some(text) => self.expression(text, allowed),
             None => Some(one),
         };
+        let factor = factor.map(|factor| inertia.map_or(factor, |own| self.graph.div(factor, own)));
         if !unknown.search.is_empty() {
             self.searches.push((state, unknown.search.clone()));
         }

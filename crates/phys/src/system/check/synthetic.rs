@@ -58,6 +58,7 @@ impl Checker {
         let mut allowed: Vec<&str> = vec!["t"];
         allowed.extend(system.states.iter().map(|s| s.name.as_str()));
         allowed.extend(system.inputs.iter().map(|u| u.name.as_str()));
+        allowed.extend(spec.definitions.iter().map(|(name, _)| name.value.as_str()));
         let zero = self.graph.constant(0.0);
         let mut extra = vec![zero; system.states.len()];
         let mut shown = vec![zero; system.outputs.len()];
@@ -68,7 +69,11 @@ impl Checker {
                 .or_else(|| system.column(&name.value))
                 .map(|k| (k, self.expression(text, &allowed).unwrap_or(zero)));
             match part {
-                Some((k, part)) if k < extra.len() => extra[k] = part,
+                Some((k, part)) if k < extra.len() => {
+                    // Along a speed of a mechanism it is a force.
+                    let inertia = system.inertia[k].filter(|_| spec.is_moved(&name.value));
+                    extra[k] = inertia.map_or(part, |own| self.graph.div(part, own));
+                }
                 Some((k, part)) => shown[k - extra.len()] = part,
                 None => self.unknown_name(&name.value, name.span, "state or output in `truth`", &names),
             }
@@ -186,7 +191,10 @@ impl Checker {
         // What a force adds to a reading is no rate, so the reading stays as linear as it was.
         let _ = truth.connect_filters();
         self.graph = truth.graph;
-        let sums: Vec<Id> = truth.known.iter().zip(extra).map(|(&g, &f)| self.graph.add(g, f)).collect();
+        let mut sums = truth.known.clone();
+        for (k, &part) in extra.iter().enumerate() {
+            system.add_rate(&mut self.graph, &mut sums, k, part);
+        }
         let rates = self.graph.replace(&sums, &with);
         let read: Vec<Id> = truth.outputs.iter().map(|o| o.node).collect();
         let outputs = self.graph.replace(&read, &with);

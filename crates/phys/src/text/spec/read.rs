@@ -66,6 +66,8 @@ impl Reader<'_> {
             "states",
             "inputs",
             "outputs",
+            "let",
+            "energy",
             "known",
             "inertia",
             "unknown",
@@ -79,10 +81,19 @@ impl Reader<'_> {
         let fields = self.fields(node, "the spec", FIELDS)?;
         let title = self.optional(&fields, "title", Self::prose);
         let constants = self.pairs(&fields, "constants", Self::constant);
-        let states = self.required(&fields, "states", |r, n| r.map(n, Self::unit));
+        let energy = self.optional(&fields, "energy", Self::energy);
+        let moves = fields.get("energy").is_some();
+        let states = match moves {
+            true => Some(self.pairs(&fields, "states", Self::unit)),
+            false => self.required(&fields, "states", |r, n| r.map(n, Self::unit)),
+        };
         let inputs = self.pairs(&fields, "inputs", Self::unit);
         let outputs = self.pairs(&fields, "outputs", Self::output);
-        let known = self.required(&fields, "known", |r, n| r.map(n, Self::words));
+        let definitions = self.pairs(&fields, "let", Self::words);
+        let known = match moves {
+            true => Some(self.pairs(&fields, "known", Self::words)),
+            false => self.required(&fields, "known", |r, n| r.map(n, Self::words)),
+        };
         let inertia = self.pairs(&fields, "inertia", Self::words);
         let unknown = self.pairs(&fields, "unknown", Self::unknown);
         let contacts = self.optional(&fields, "contacts", |r, n| r.list(n, Self::words));
@@ -94,13 +105,20 @@ impl Reader<'_> {
             }
         };
         let learn = self.optional(&fields, "learn", Self::learn);
+        let (mut states, mut known) = (states?, known?);
+        if let Some(energy) = &energy {
+            states.extend(energy.states());
+            known.extend(energy.rates());
+        }
         let spec = Spec {
             title,
             constants,
-            states: states?,
+            states,
             inputs,
             outputs,
-            known: known?,
+            definitions,
+            energy,
+            known,
             inertia,
             unknown,
             contacts: contacts.unwrap_or_default(),

@@ -90,6 +90,20 @@ impl Words {
             .help(missing.map_or_else(|| bridge(due, is), |m| asked(&m)))
     }
 
+    /// Energies, or powers, of different kinds; `what` names that of `text`.
+    pub(super) fn energy(
+        &self,
+        what: &str,
+        text: &Text,
+        [due, is]: [&Form; 2],
+        missing: Option<String>,
+    ) -> Diagnostic {
+        let message = format!("{what} is {}, but the kinetic energy asks for {}", in_unit(is), in_unit(due));
+        Diagnostic::error(message)
+            .at(self.source, text.span, is_in(is))
+            .help(missing.map_or_else(|| bridge(due, is), |m| asked(&m)))
+    }
+
     pub(super) fn derivative(
         &self,
         input: &Text,

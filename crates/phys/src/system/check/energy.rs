@@ -1,0 +1,167 @@
+//! Energies to the rates of their speeds.
+
+use super::checker::Checker;
+use crate::system::lagrange::{Energies, Equations, NoEquations};
+use crate::text::spec::{EnergySpec, Spec, Text};
+use phisindy_expr::{Id, Scratch, Tape};
+
+/// The rates that energies give, by the place of their state.
+#[derive(Default)]
+pub(super) struct Mechanism {
+    /// Each speed with its rate.
+    pub(super) rates: Vec<(usize, Id)>,
+    /// Each speed with the inertia that a force along it feels where all else follows.
+    pub(super) inertia: Vec<(usize, Id)>,
+    /// A speed, another one, and the rate of the latter for a rate of 1 that a force along the former makes.
+    pub(super) coupling: Vec<(usize, usize, Id)>,
+}
+
+impl Checker {
+    /// What the energies of a spec say; nothing of a spec without.
+    pub(super) fn mechanism(&mut self, spec: &Spec, allowed: &[&str], states: &[Id], time: Id) -> Mechanism {
+        let Some(energy) = &spec.energy else { return Mechanism::default() };
+        let place = |name: &Text| spec.states.iter().rposition(|(n, _)| n.value == name.value).unwrap_or(0);
+        let of = |(q, (v, _)): &(Text, (Text, Text))| (place(q), place(v));
+        let places: Vec<(usize, usize)> = energy.coordinates.iter().map(of).collect();
+        for (name, _) in spec.known.iter().chain(&spec.inertia) {
+            if spec.is_moved(&name.value) {
+                self.error(
+                    format!("the energies say how `{}` changes", name.value),
+                    name.span,
+                    "said once more",
+                )
+                .help
+                .push("take it out here, or write a force along it in `energy.forces`".into());
+            }
+        }
+        let (q, v): (Vec<Id>, Vec<Id>) = places.iter().map(|&(q, v)| (states[q], states[v])).unzip();
+        let Some(energies) = self.energies(energy, allowed, (&q, &v), spec, time) else {
+            return Mechanism::default();
+        };
+        match energies.equations(&mut self.graph) {
+            Ok(equations) => {
+                self.positive(energy, &equations, states);
+                self.by_state(&equations, &places)
+            }
+            Err(NoEquations::NotQuadratic) => {
+                self.error("the kinetic energy is not quadratic in the speeds", energy.kinetic.span, "")
+                    .help
+                    .push(
+                        "write it as in \"m*v^2/2\": a mass that depends on a speed has no equations here"
+                            .into(),
+                    );
+                Mechanism::default()
+            }
+            Err(NoEquations::Massless(k)) => {
+                let speed = &energy.coordinates[k].1.0;
+                self.error(format!("no mass moves with `{}`", speed.value), speed.span, "not in `kinetic`")
+                    .help
+                    .push("add its kinetic energy, or make it a state with a rate of its own".into());
+                Mechanism::default()
+            }
+        }
+    }
+
+    fn energies(
+        &mut self,
+        energy: &EnergySpec,
+        allowed: &[&str],
+        (q, v): (&[Id], &[Id]),
+        spec: &Spec,
+        time: Id,
+    ) -> Option<Energies> {
+        let zero = self.graph.constant(0.0);
+        let lowered = |checker: &mut Checker, text: &Option<Text>| match text {
+            Some(text) => checker.expression(text, allowed),
+            None => Some(zero),
+        };
+        let kinetic = self.expression(&energy.kinetic, allowed);
+        let potential = lowered(self, &energy.potential);
+        let dissipation = lowered(self, &energy.dissipation);
+        if let (Some(text), Some(potential)) = (&energy.potential, potential)
+            && self.graph.uses(&[potential], v)
+        {
+            self.error("the potential energy depends on a speed", text.span, "")
+                .help
+                .push("what depends on speeds is `kinetic`, `dissipation` or one of `forces`".into());
+        }
+        let inputs: Vec<Id> = spec
+            .inputs
+            .iter()
+            .map(|(name, _)| {
+                let symbol = self.names.intern(&name.value);
+                self.graph.symbol(symbol)
+            })
+            .collect();
+        if let Some(kinetic) = kinetic
+            && self.graph.uses(&[kinetic], &inputs)
+        {
+            self.error("the kinetic energy depends on an input", energy.kinetic.span, "")
+                .help
+                .push("its rate would be needed: take coordinates beside the moving base, whose acceleration is a force".into());
+        }
+        let mut forces = Vec::new();
+        for (force, along) in &energy.forces {
+            let (force, speed) = (self.expression(force, allowed)?, self.expression(along, allowed)?);
+            let direction = self.graph.gradient(speed, v);
+            let nowhere = direction.iter().all(|&d| self.graph.value(d) == Some(0.0));
+            if nowhere || self.graph.uses(&direction, v) {
+                self.error(format!("`{}` is no speed along which a force acts", along.value), along.span, "")
+                    .help
+                    .push(
+                        "name a speed, or an expression that is linear in speeds, such as \"r*w - v\"".into(),
+                    );
+                continue;
+            }
+            forces.push((force, direction));
+        }
+        let coordinates = q.iter().copied().zip(v.iter().copied()).collect();
+        Some(Energies {
+            coordinates,
+            kinetic: kinetic?,
+            potential: potential?,
+            dissipation: dissipation?,
+            forces,
+            time,
+        })
+    }
+
+    fn by_state(&mut self, equations: &Equations, places: &[(usize, usize)]) -> Mechanism {
+        let mut all = Mechanism::default();
+        let one = self.graph.constant(1.0);
+        for (i, &(_, speed)) in places.iter().enumerate() {
+            let own = equations.mobility[i][i];
+            all.rates.push((speed, equations.rates[i]));
+            all.inertia.push((speed, self.graph.div(one, own)));
+            for (j, &(_, other)) in places.iter().enumerate() {
+                let cross = equations.mobility[i][j];
+                if j != i && self.graph.value(cross) != Some(0.0) {
+                    all.coupling.push((speed, other, self.graph.div(cross, own)));
+                }
+            }
+        }
+        all
+    }
+
+    /// Warns of a kinetic energy that is not positive wherever it is looked at.
+    fn positive(&mut self, energy: &EnergySpec, equations: &Equations, states: &[Id]) {
+        let symbols = self.graph.symbols(&equations.pivots);
+        let inputs: Vec<Id> = symbols.into_iter().map(|s| self.graph.symbol(s)).collect();
+        let Ok(tape) = Tape::compile(&self.graph, &inputs, &equations.pivots) else { return };
+        let mut scratch = Scratch::<1>::new(&tape);
+        let mut at = |point: usize| {
+            for (k, &id) in inputs.iter().enumerate() {
+                // Constants that are to be found are positive as a rule; coordinates are looked at on both sides.
+                let turn = (0.7 * (point * (k + 1)) as f64).sin();
+                scratch.input(k)[0] = if states.contains(&id) { turn } else { 1.0 };
+            }
+            scratch.run();
+            (0..equations.pivots.len()).all(|k| scratch.output(k)[0] > 0.0)
+        };
+        if !(0..8).any(&mut at) {
+            self.warn("the kinetic energy is not positive", energy.kinetic.span, "")
+                .help
+                .push("no body has such a mass: look at the signs, and at constants that are zero".into());
+        }
+    }
+}
