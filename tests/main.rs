@@ -15,6 +15,7 @@ mod gap;
 mod identified;
 mod limits;
 mod measured;
+mod mechanism;
 mod new;
 mod outputs;
 mod program;

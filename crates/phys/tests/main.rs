@@ -2,6 +2,7 @@
 #![allow(missing_docs)]
 
 mod check;
+mod energy;
 mod laws;
 mod mutated;
 mod spec;

@@ -3,7 +3,7 @@
 mod linear_combination;
 
 use linear_combination::{LinearCombination, split};
-use phisindy_expr::{Binary, Graph, Id, Names, Node, latex_rate};
+use phisindy_expr::{Binary, Graph, Id, Names, Node, Unary, latex_rate};
 use phisindy_learn::{FoundParameter, FoundTerm};
 use phisindy_phys::{Case, System};
 use std::collections::{HashMap, HashSet};
@@ -86,13 +86,43 @@ impl Writer {
         filled
     }
 
+    /// The rate of a state. Of a speed of a mechanism the line says what changes its momentum: the rate has the whole
+    /// inverse of the mass matrix in it.
     fn equation(&mut self, system: &System, state: usize, terms: &[FoundTerm]) -> Equation {
-        let known = self.filled(system.known[state]);
+        let rate = self.right_side(system, state, system.known[state], terms, false);
+        let Some(&(_, momentum, force)) = system.momenta.iter().find(|(speed, ..)| *speed == state) else {
+            return rate;
+        };
+        let momentum = self.filled(momentum);
+        let sum = LinearCombination::of(&mut self.graph, momentum);
+        let names = &self.names;
+        let latex = |graph: &Graph, id: Id| graph.latex(id, names);
+        let left =
+            written(&mut self.graph, &sum, &[], &latex, ["\\left(", "\\right)", "\\left[", "\\right]"]);
+        let balance = self.right_side(system, state, force, terms, true);
+        let (_, right) = balance.latex.split_once(" = ").unwrap_or(("", &balance.latex));
+        Equation { latex: format!("\\frac{{d}}{{dt}}\\left({left}\\right) = {right}"), ..rate }
+    }
+
+    /// What is known, then the terms: rates, or forces along a speed.
+    fn right_side(
+        &mut self,
+        system: &System,
+        state: usize,
+        known: Id,
+        terms: &[FoundTerm],
+        forces: bool,
+    ) -> Equation {
+        let known = self.filled(known);
         let mut plain = LinearCombination::of(&mut self.graph, known);
         let mut brackets: Vec<(Id, LinearCombination)> = Vec::new();
         for found in terms.iter().filter(|f| system.terms[f.term].state == state) {
             let term = &system.terms[found.term];
-            let (factor, bare) = (self.filled(term.factor), self.filled(term.bare));
+            let factor = match system.inertia[state].filter(|_| forces) {
+                Some(inertia) => force_of(&mut self.graph, term.factor, inertia),
+                None => term.factor,
+            };
+            let (factor, bare) = (self.filled(factor), self.filled(term.bare));
             let ((c, factor), (d, bare)) = (split(&mut self.graph, factor), split(&mut self.graph, bare));
             let part = (found.coefficient.value * c * d, bare);
             match brackets.iter_mut().find(|(f, _)| *f == factor) {
@@ -127,6 +157,18 @@ impl Writer {
             text: written(graph, &plain, &brackets, &text, ["(", ")", "*(", ")"]),
             uses,
         }
+    }
+}
+
+/// What makes a rate with an inertia: that of `-force/inertia` is `-force`.
+fn force_of(graph: &mut Graph, rate: Id, inertia: Id) -> Id {
+    match graph.node(rate) {
+        Node::Binary(Binary::Div, force, over) if over == inertia => force,
+        Node::Unary(Unary::Neg, inner) => {
+            let force = force_of(graph, inner, inertia);
+            graph.neg(force)
+        }
+        _ => graph.mul(inertia, rate),
     }
 }
 

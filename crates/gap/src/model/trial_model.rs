@@ -168,15 +168,8 @@ impl TrialModel {
                 system.known[first..].copy_from_slice(&rates);
                 let memory = rates.len();
                 for &(state, sign) in acts {
-                    let share = match system.inertia[state] {
-                        Some(inertia) => system.graph.div(force, inertia),
-                        None => force,
-                    };
-                    let (mut graph, mut rates) =
-                        (std::mem::take(&mut system.graph), std::mem::take(&mut system.known));
-                    let share = if sign < 0.0 { graph.neg(share) } else { share };
-                    system.add_rate(&mut graph, &mut rates, state, share);
-                    (system.graph, system.known) = (graph, rates);
+                    let signed = if sign < 0.0 { system.graph.neg(force) } else { force };
+                    system.add_force(state, signed);
                 }
                 for &(output, sign) in shows {
                     let reads = system.outputs[output].reading;

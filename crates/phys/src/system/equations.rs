@@ -142,6 +142,8 @@ pub struct System {
     /// A speed of a mechanism, another one, and the rate of the latter that comes with a rate of 1 of the former
     /// from a force along it.
     pub coupling: Vec<(usize, usize, Id)>,
+    /// Of a mechanism each speed with the momentum of its coordinate, and the known force that changes it.
+    pub momenta: Vec<(usize, Id, Id)>,
     /// The dictionary, in the order of the spec.
     pub terms: Vec<Term>,
     /// What may move, in the order of the spec.
@@ -195,6 +197,20 @@ impl System {
             rates,
             outputs,
         }
+    }
+
+    /// Adds a force on a state to the known part: to all rates that it changes.
+    pub fn add_force(&mut self, state: usize, force: Id) {
+        let share = match self.inertia[state] {
+            Some(inertia) => self.graph.div(force, inertia),
+            None => force,
+        };
+        let (mut graph, mut rates) = (std::mem::take(&mut self.graph), std::mem::take(&mut self.known));
+        self.add_rate(&mut graph, &mut rates, state, share);
+        for (_, _, sum) in self.momenta.iter_mut().filter(|(speed, ..)| *speed == state) {
+            *sum = graph.add(*sum, force);
+        }
+        (self.graph, self.known) = (graph, rates);
     }
 
     /// Adds what a force does to the rate of its state, and to the rates of all speeds that it moves too.

@@ -29,6 +29,8 @@ pub(crate) struct Energies {
 pub(crate) struct Equations {
     /// The rate of each speed.
     pub(crate) rates: Vec<Id>,
+    /// The momentum of each coordinate, and what changes it in a second.
+    pub(crate) momenta: Vec<(Id, Id)>,
     /// The rates that a unit force along each speed makes: the columns of the inverse of `M`.
     pub(crate) mobility: Vec<Vec<Id>>,
     /// The pivots of `M`: all are positive where the kinetic energy is.
@@ -61,20 +63,21 @@ impl Energies {
         let by_place = graph.gradient(self.kinetic, &q);
         let [potential, dissipation] =
             [(self.potential, &q), (self.dissipation, &v)].map(|(of, by)| graph.gradient(of, by));
-        let mut force = Vec::with_capacity(n);
+        let (mut force, mut balances) = (Vec::with_capacity(n), Vec::with_capacity(n));
         for i in 0..n {
             let mut sum = graph.sub(by_place[i], potential[i]);
             sum = graph.sub(sum, dissipation[i]);
+            for (of, direction) in &self.forces {
+                let part = graph.mul(*of, direction[i]);
+                sum = graph.add(sum, part);
+            }
+            balances.push((momenta[i], sum));
             // The momentum changes with the place, and with the time.
             let along: Vec<Id> = q.iter().copied().chain([self.time]).collect();
             let changes = graph.gradient(momenta[i], &along);
             for (j, &change) in changes.iter().enumerate() {
                 let lost = if j < n { graph.mul(change, v[j]) } else { change };
                 sum = graph.sub(sum, lost);
-            }
-            for (of, direction) in &self.forces {
-                let part = graph.mul(*of, direction[i]);
-                sum = graph.add(sum, part);
             }
             force.push(sum);
         }
@@ -83,7 +86,7 @@ impl Energies {
         let (zero, one) = (graph.constant(0.0), graph.constant(1.0));
         let unit = |k: usize| (0..n).map(|i| if i == k { one } else { zero }).collect::<Vec<Id>>();
         let mobility = (0..n).map(|k| factored.solved(graph, &unit(k))).collect();
-        Ok(Equations { rates, mobility, pivots: factored.pivots })
+        Ok(Equations { rates, momenta: balances, mobility, pivots: factored.pivots })
     }
 }
 

@@ -216,7 +216,7 @@ impl<'s> Survey<'s> {
     /// All energies are of one kind, what is lost in a second too, and a force times its speed.
     fn energies(&mut self) {
         let Some(energy) = &self.spec.energy else { return };
-        let kinetic = self.measure(&energy.kinetic);
+        let kinetic = self.plain(&energy.kinetic);
         let power = kinetic.times(&Measure::Fixed(Form::known(Dimension::SECOND)), -1.0);
         let like = |survey: &mut Self, what: &str, due: &Measure, text: &Text, is: Measure| {
             if let Some((due, is)) = survey.differ(due, &is) {
@@ -228,20 +228,28 @@ impl<'s> Survey<'s> {
             [("potential", &kinetic, &energy.potential), ("dissipation", &power, &energy.dissipation)]
         {
             let Some(text) = text else { continue };
-            let is = self.measure(text);
+            let is = self.plain(text);
             like(self, what, due, text, is);
         }
         for (force, along) in &energy.forces {
-            let is = self.measure(force).times(&self.measure(along), 1.0);
+            let is = self.plain(force).times(&self.plain(along), 1.0);
             like(self, "a force times its speed", &power, force, is);
         }
+    }
+
+    /// What an expression measures if its literals are numbers without a unit: the half of a kinetic energy is one.
+    fn plain(&mut self, text: &Text) -> Measure {
+        let found = self.measure(text);
+        found.plainly().map_or(Measure::Loose(None), |form| Measure::Fixed(form.clone()))
     }
 
     /// The force along a speed of a mechanism; the rate of another state.
     fn due_along(&mut self, state: &str) -> Measure {
         match self.spec.energy.as_ref().filter(|_| self.spec.is_moved(state)) {
             Some(energy) => {
-                let work = self.quietly(&energy.kinetic);
+                let said = self.mistakes.len();
+                let work = self.plain(&energy.kinetic);
+                self.mistakes.truncate(said);
                 let second = Measure::Fixed(Form::known(Dimension::SECOND));
                 let speed = self.names.get(state).map_or(Measure::Loose(None), |q| q.measure.clone());
                 work.times(&speed.times(&second, 1.0), -1.0)
@@ -257,13 +265,18 @@ impl<'s> Survey<'s> {
             let factor = unknown.factor.as_ref().map_or(Measure::number(), |text| self.measure(text));
             let inertia = spec.inertia.iter().find(|(n, _)| n.value == name.value).map(|(_, text)| text);
             // Said once already, if something is wrong with it.
-            let measured = inertia.map(|text| self.quietly(text));
+            let moved = spec.is_moved(&name.value);
+            let measured = match inertia {
+                Some(text) => Some(self.quietly(text)),
+                None => moved.then(|| self.due_along(&name.value).times(&self.rate_of(&name.value), -1.0)),
+            };
             for candidate in &unknown.candidates {
-                let inside = inertia.is_some_and(|inertia| {
-                    let own = names(inertia);
-                    let term = unknown.factor.iter().chain([candidate]).flat_map(names);
-                    own.is_empty() || term.into_iter().any(|name| own.contains(&name))
-                });
+                let inside = moved
+                    || inertia.is_some_and(|inertia| {
+                        let own = names(inertia);
+                        let term = unknown.factor.iter().chain([candidate]).flat_map(names);
+                        own.is_empty() || term.into_iter().any(|name| own.contains(&name))
+                    });
                 let product = factor.times(&self.measure(candidate), 1.0);
                 let due = self.due_along(&name.value);
                 products.push(Product {

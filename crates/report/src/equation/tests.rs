@@ -36,6 +36,19 @@ fn one_term_is_one_product() {
     assert_eq!(e.text, "-0.1*y - x + cos(0.3*t) - 0.5019983*sgn(y)");
 }
 
+/// Of a mechanism the line is the balance of a momentum: no mass matrix is inverted in it.
+#[test]
+fn a_speed_of_a_mechanism_has_the_balance_of_its_momentum() {
+    let text = r#"(inputs: { "F": "N" }, energy: (coordinates: { "x": ("v", "m"), "th": ("w", "rad") },
+        kinetic: "3*v^2/2 + v*w*cos(th)/2 + w^2/6", potential: "20*x^2/2 - 5*cos(th)", dissipation: "v^2", forces: { "F": "v" }),
+        unknown: { "v": (factor: "-sgn(v)", candidates: ["1"]) }, data: [])"#;
+    let (spec, _) = spec::read_without_data(text, SourceId(0)).expect("well formed");
+    let (case, _) = check(&spec, SourceId(0)).expect("a good case");
+    let e = of(&case, &[(0, 2.5)], &[]);
+    let left = r"\frac{d}{dt}\left(0.5\,\cos(\mathrm{th})\,w + 3\,v\right)";
+    assert_eq!(e.latex, format!(r"{left} = -20\,x - 2\,v + F - 2.5\,\operatorname{{sgn}}(v)"));
+}
+
 #[test]
 fn several_terms_stand_in_brackets_behind_their_factor() {
     let case = case(

@@ -10,6 +10,8 @@ use phisindy_expr::{Id, Scratch, Tape};
 pub(super) struct Mechanism {
     /// Each speed with its rate.
     pub(super) rates: Vec<(usize, Id)>,
+    /// Each speed with the momentum of its coordinate, and what changes that in a second.
+    pub(super) momenta: Vec<(usize, Id, Id)>,
     /// Each speed with the inertia that a force along it feels where all else follows.
     pub(super) inertia: Vec<(usize, Id)>,
     /// A speed, another one, and the rate of the latter for a rate of 1 that a force along the former makes.
@@ -132,6 +134,8 @@ impl Checker {
         for (i, &(_, speed)) in places.iter().enumerate() {
             let own = equations.mobility[i][i];
             all.rates.push((speed, equations.rates[i]));
+            let (momentum, force) = equations.momenta[i];
+            all.momenta.push((speed, momentum, force));
             all.inertia.push((speed, self.graph.div(one, own)));
             for (j, &(_, other)) in places.iter().enumerate() {
                 let cross = equations.mobility[i][j];

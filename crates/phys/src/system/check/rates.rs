@@ -112,6 +112,7 @@ impl Checker {
             known,
             inertia,
             coupling: mechanism.coupling,
+            momenta: mechanism.momenta,
             terms,
             parameters,
             record_constants: self.constants.of_records(),

@@ -98,7 +98,11 @@ impl Words {
         [due, is]: [&Form; 2],
         missing: Option<String>,
     ) -> Diagnostic {
-        let message = format!("{what} is {}, but the kinetic energy asks for {}", in_unit(is), in_unit(due));
+        let message = format!(
+            "{what} is {}, but beside this kinetic energy it should be {}",
+            in_unit(is),
+            in_unit(due)
+        );
         Diagnostic::error(message)
             .at(self.source, text.span, is_in(is))
             .help(missing.map_or_else(|| bridge(due, is), |m| asked(&m)))
