@@ -99,11 +99,11 @@ struct Factored {
 impl Factored {
     fn new(graph: &mut Graph, mass: &[Vec<Id>]) -> Result<Factored, NoEquations> {
         let mut all = Factored { pivots: vec![], lower: vec![] };
-        for i in 0..mass.len() {
+        for (i, of_mass) in mass.iter().enumerate() {
             // `(L D)_ij`, then `L_ij`.
             let mut scaled: Vec<Id> = Vec::with_capacity(i);
-            for j in 0..i {
-                let mut entry = mass[i][j];
+            for (j, &entry) in of_mass.iter().enumerate().take(i) {
+                let mut entry = entry;
                 for (k, &own) in scaled.iter().enumerate() {
                     let part = graph.mul(own, all.lower[j][k]);
                     entry = graph.sub(entry, part);
@@ -111,7 +111,7 @@ impl Factored {
                 scaled.push(entry);
             }
             let row: Vec<Id> = scaled.iter().zip(&all.pivots).map(|(&s, &d)| graph.div(s, d)).collect();
-            let mut pivot = mass[i][i];
+            let mut pivot = of_mass[i];
             for (&s, &l) in scaled.iter().zip(&row) {
                 let part = graph.mul(s, l);
                 pivot = graph.sub(pivot, part);
@@ -135,9 +135,7 @@ impl Factored {
                 x[i] = graph.sub(x[i], part);
             }
         }
-        for i in 0..n {
-            x[i] = graph.div(x[i], self.pivots[i]);
-        }
+        x.iter_mut().zip(&self.pivots).for_each(|(x, &pivot)| *x = graph.div(*x, pivot));
         for i in (0..n).rev() {
             for j in i + 1..n {
                 let part = graph.mul(self.lower[j][i], x[j]);
