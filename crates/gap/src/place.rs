@@ -49,7 +49,7 @@ pub enum Site {
         displacement: Option<Quantity>,
         /// The `v` of a law.
         velocity: Quantity,
-        /// States whose rates the force enters, with sign: -1 where the force is subtracted.
+        /// States whose rates the force enters, with the part that they feel: -1 where the force is subtracted.
         acts: Vec<(usize, f64)>,
         /// Outputs that the force enters, with sign: what a force cell under prescribed motion reads.
         shows: Vec<(usize, f64)>,
@@ -117,7 +117,7 @@ impl Place {
 /// What a unit force at a place does to the rate of a state.
 pub(crate) struct Entered<T> {
     pub(crate) state: usize,
-    /// What the state is of the speed of the place: 1, -1, or 0 of one that only follows.
+    /// What the state is of the speed of the place; 0 of one that only follows.
     pub(crate) part: f64,
     /// The rate.
     pub(crate) rate: T,
@@ -126,7 +126,7 @@ pub(crate) struct Entered<T> {
 /// How rates are made: as numbers, or as nodes of a graph.
 pub(crate) trait Rates {
     type Rate: Copy;
-    /// The rate of a state by a unit force on it, with this sign.
+    /// The rate of a state by a unit force, of which it feels this part.
     fn unit(&mut self, act: (usize, f64)) -> Self::Rate;
     /// What follows from a rate by the coupling of this place in [`System::coupling`].
     fn following(&mut self, coupling: usize, rate: Self::Rate) -> Self::Rate;
@@ -139,10 +139,9 @@ pub(crate) fn entered<R: Rates>(
     acts: &[(usize, f64)],
     rates: &mut R,
 ) -> Vec<Entered<R::Rate>> {
-    let part = |j: usize| if j == 0 { 1.0 } else { -1.0 };
-    let own = acts.iter().enumerate();
+    // A force on a place is subtracted where the speed of the state adds to that of the place.
     let mut all: Vec<Entered<R::Rate>> =
-        own.map(|(j, &act)| Entered { state: act.0, part: part(j), rate: rates.unit(act) }).collect();
+        acts.iter().map(|&act| Entered { state: act.0, part: -act.1, rate: rates.unit(act) }).collect();
     let direct: Vec<R::Rate> = all.iter().map(|e| e.rate).collect();
     for (&(state, _), rate) in acts.iter().zip(direct) {
         for (j, &(_, other, _)) in system.coupling.iter().enumerate().filter(|(_, (of, ..))| *of == state) {
@@ -165,10 +164,9 @@ pub(crate) struct Nodes<'a> {
 impl Rates for Nodes<'_> {
     type Rate = Id;
 
-    fn unit(&mut self, (state, sign): (usize, f64)) -> Id {
-        let one = self.graph.constant(1.0);
-        let over = self.graph.div(one, self.system.inertia[state].unwrap_or(one));
-        if sign < 0.0 { self.graph.neg(over) } else { over }
+    fn unit(&mut self, (state, weight): (usize, f64)) -> Id {
+        let (one, weight) = (self.graph.constant(1.0), self.graph.constant(weight));
+        self.graph.div(weight, self.system.inertia[state].unwrap_or(one))
     }
 
     fn following(&mut self, coupling: usize, rate: Id) -> Id {
@@ -203,14 +201,14 @@ pub fn places(system: &mut System, plans: &[RecordPlan]) -> Vec<Place> {
     let mut all: Vec<Place> = bodies.iter().map(|&v| on_body(system, v)).collect();
     all.extend(between_bodies(system, &bodies));
     all.extend(against_inputs(system, plans, &bodies));
-    for (v, at, node) in belts(system, &bodies) {
-        // A contact of the spec is a place for friction. A body on a belt has no displacement relative to it
-        // that a spring could use.
-        if !all.iter().any(|p: &Place| p.at == at) {
-            let velocity = Quantity { text: format!("({at})"), node };
-            all.push(Place { at, site: on_base(None, velocity, v) });
-        }
-    }
+    let named = directions(system, &bodies, &all);
+    let first = system.places.len();
+    let of_contacts = |p: &Place| system.places.iter().take(first).all(|(name, _)| *name != p.at);
+    let (later, mut at_first): (Vec<Place>, Vec<Place>) = named.into_iter().partition(of_contacts);
+    // What the user names is looked at first.
+    at_first.append(&mut all);
+    all = at_first;
+    all.extend(later);
     all.extend(prescribed(system, plans));
     let names: Vec<String> = system.quantities().take(system.columns()).map(|(n, _)| n.to_owned()).collect();
     // A filtered state shows its output alone.
@@ -345,23 +343,64 @@ fn difference(system: &mut System, a: &Quantity, b: &Quantity) -> Quantity {
     Quantity { text: format!("({}-{})", a.text, b.text), node: system.graph.sub(a.node, b.node) }
 }
 
-/// Contacts of one body with a prescribed motion, `v - V` or `v - belt`: the body, its name and the relative
-/// velocity.
-fn belts(system: &System, bodies: &[usize]) -> Vec<(usize, String, Id)> {
+/// The places that the spec names, and its contacts, each a place for friction: speeds that are sums of those of
+/// bodies with numbers, or one of a body against what carries it. `others` are places that are known already.
+fn directions(system: &mut System, bodies: &[usize], others: &[Place]) -> Vec<Place> {
     let nodes: Vec<Id> = system.states.iter().map(|s| s.node).collect();
-    let mut graph = system.graph.clone();
-    let mut of = |c: &Contact| {
-        let slopes = graph.gradient(c.node, &nodes);
-        let values: Vec<Option<f64>> = slopes.iter().map(|&s| graph.value(s)).collect();
-        let moved: Vec<usize> = (0..values.len()).filter(|&k| values[k] != Some(0.0)).collect();
-        match moved[..] {
-            [v] if values[v] == Some(1.0) && bodies.contains(&v) => {
-                Some((v, c.text.replace(' ', ""), c.node))
-            }
-            _ => None,
+    let places = system.places.clone();
+    let contacts = system.contacts.iter().map(|c| (c.text.replace(' ', ""), c.clone()));
+    let listed: Vec<(String, Contact)> = places.into_iter().chain(contacts).collect();
+    let mut all: Vec<Place> = Vec::new();
+    for (at, contact) in listed {
+        let minus = system.graph.neg(contact.node);
+        let same = |p: &Place| match &p.site {
+            Site::Force { velocity, .. } => velocity.node == contact.node || velocity.node == minus,
+            _ => false,
+        };
+        let slopes = system.graph.gradient(contact.node, &nodes);
+        let parts: Option<Vec<(usize, f64)>> = slopes
+            .iter()
+            .enumerate()
+            .map(|(k, &slope)| Some((k, system.graph.value(slope)?)))
+            .filter(|part| part.is_none_or(|(_, slope)| slope != 0.0))
+            .collect();
+        let Some(mut parts) = parts.filter(|parts| parts.iter().all(|(k, _)| bodies.contains(k))) else {
+            continue;
+        };
+        if others.iter().chain(&all).any(same) {
+            continue;
         }
-    };
-    system.contacts.iter().filter_map(&mut of).collect()
+        // The units of the place are those of a body that moves as it does.
+        parts.sort_by_key(|(_, slope)| slope.abs() != 1.0);
+        let velocity = Quantity { text: format!("({})", contact.text), node: contact.node };
+        let site = match parts[..] {
+            // A body on a belt has no displacement relative to it that a spring could use.
+            [(v, 1.0)] => on_base(None, velocity, v),
+            [] => continue,
+            _ => {
+                let x = along(system, &parts);
+                let acts = parts.iter().map(|&(v, slope)| (v, -slope)).collect();
+                force(x, velocity, acts, parts[0].0)
+            }
+        };
+        all.push(Place { at, site });
+    }
+    all
+}
+
+/// The displacement along a direction, if every body in it has one.
+fn along(system: &mut System, parts: &[(usize, f64)]) -> Option<Quantity> {
+    let mut sum: Option<(String, Id)> = None;
+    for &(v, slope) in parts {
+        let x = of_state(system, displacement(system, v)?);
+        let number = system.graph.constant(slope);
+        let part = (format!("{slope:?}*{}", x.text), system.graph.mul(number, x.node));
+        sum = Some(match sum {
+            Some((text, node)) => (format!("{text} + {}", part.0), system.graph.add(node, part.1)),
+            None => part,
+        });
+    }
+    sum.map(|(text, node)| Quantity { text: format!("({text})"), node })
 }
 
 fn is_measured(plan: &RecordPlan, name: &str, column: usize) -> bool {

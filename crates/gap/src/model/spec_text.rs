@@ -164,17 +164,19 @@ fn force(
     internal(text, model, applied)?;
     let force = force_text(applied).unwrap_or_default();
     let sign = |sign: f64| if sign < 0.0 { '-' } else { '+' };
+    let size = |way: f64| if way.abs() == 1.0 { String::new() } else { format!("{:?}*", way.abs()) };
     for &(state, way) in acts {
         let name = &model.system.states[state].name;
         if model.given.spec.is_moved(name) {
-            let signed = if way < 0.0 { format!("-({force})") } else { force.clone() };
+            let minus = if way < 0.0 { "-" } else { "" };
+            let signed = format!("{minus}{}({force})", size(way));
             text.set(&format!("energy.forces.\"{signed}\""), &format!("\"{name}\""))?;
             continue;
         }
         let inertia = model.given.spec.inertia.iter().find(|(n, _)| n.value == *name).map(|(_, m)| &m.value);
         let over = inertia.map_or(String::new(), |m| format!("/({m})"));
         let Some((_, rate)) = parts.rates.iter_mut().find(|(n, _)| n == name) else { continue };
-        *rate = format!("{rate} {} ({force}){over}", sign(way));
+        *rate = format!("{rate} {} {}({force}){over}", sign(way), size(way));
         text.set(&format!("known.{name}"), &format!("\"{rate}\""))?;
     }
     for &(output, way) in shows {
@@ -223,8 +225,8 @@ fn contact(
     applied: &Applied,
     all: &mut Vec<String>,
 ) -> Result<(), SpecTextError> {
-    let at = &applied.effect.place.at;
     let Site::Force { velocity, .. } = &applied.effect.place.site else { return Ok(()) };
+    let at = &velocity.bare().to_owned();
     let base = model.without_effects();
     let of_spec = base.system.contacts.iter().any(|c| c.node == velocity.node);
     if of_spec || all.contains(at) {

@@ -168,7 +168,8 @@ impl TrialModel {
                 system.known[first..].copy_from_slice(&rates);
                 let memory = rates.len();
                 for &(state, sign) in acts {
-                    let signed = if sign < 0.0 { system.graph.neg(force) } else { force };
+                    let part = system.graph.constant(sign);
+                    let signed = system.graph.mul(part, force);
                     system.add_force(state, signed);
                 }
                 for &(output, sign) in shows {

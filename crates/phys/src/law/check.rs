@@ -394,6 +394,7 @@ impl Written {
             inertia: vec![],
             unknown: vec![],
             contacts: vec![],
+            places: vec![],
             data: vec![],
             learn: LearnSpec::default(),
         }

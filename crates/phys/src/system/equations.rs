@@ -154,6 +154,8 @@ pub struct System {
     pub constants: Vec<(String, f64)>,
     /// In the order of the spec.
     pub contacts: Vec<Contact>,
+    /// Names of places, and the speeds along which forces act there.
+    pub places: Vec<(String, Contact)>,
 }
 
 impl System {

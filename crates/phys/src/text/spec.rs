@@ -61,6 +61,8 @@ pub struct Spec {
     pub unknown: Vec<(Text, UnknownSpec)>,
     /// Velocities that can stick.
     pub contacts: Vec<Text>,
+    /// Names of places where a force may act, each with the speed along which it acts.
+    pub places: Vec<(Text, Text)>,
     /// The records: at least one, but in a spec of [`read_without_data`].
     pub data: Vec<DataSpec>,
     /// How to identify.

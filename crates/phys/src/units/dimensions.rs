@@ -110,7 +110,8 @@ impl<'s> Survey<'s> {
                 ));
             }
         }
-        for text in spec.inertia.iter().map(|(_, text)| text).chain(&spec.contacts) {
+        let speeds = spec.contacts.iter().chain(spec.places.iter().map(|(_, text)| text));
+        for text in spec.inertia.iter().map(|(_, text)| text).chain(speeds) {
             self.measure(text);
         }
         let products = self.products();

@@ -99,6 +99,7 @@ impl Checker {
         let (rate_symbols, outputs) = self.outputs(outputs, &states, &allowed);
         let system_states: Vec<Id> = states.iter().map(|s: &State| s.node).collect();
         let contacts = self.contacts(spec, &allowed, &states, &system_states, &known, &terms);
+        let places = self.places(spec, &allowed, &states, &system_states);
         let mut system = System {
             title: spec.title.as_ref().map_or(String::new(), |t| t.value.clone()),
             graph: self.graph.clone(),
@@ -118,6 +119,7 @@ impl Checker {
             record_constants: self.constants.of_records(),
             constants: self.constants.fixed(),
             contacts,
+            places,
         };
         self.filters(spec, &mut system);
         system
@@ -261,24 +263,7 @@ impl Checker {
         let mut contacts: Vec<Contact> = Vec::new();
         for text in &spec.contacts {
             let Some(node) = self.expression(text, allowed) else { continue };
-            let gradient = self.graph.gradient(node, nodes);
-            let parts: Vec<usize> =
-                (0..nodes.len()).filter(|&k| self.graph.value(gradient[k]) != Some(0.0)).collect();
-            let linear = gradient.iter().all(|&g| self.graph.value(g).is_some());
-            let displacement = parts.iter().copied().find(|&k| states[k].velocity.is_some());
-            if parts.is_empty() || !linear || displacement.is_some() {
-                let d =
-                    self.error(format!("`{}` is no velocity, so it cannot stick", text.value), text.span, "");
-                d.help.push(match displacement {
-                    Some(k) => {
-                        let (x, v) = (&states[k].name, states[k].velocity.map_or("", |v| &states[v].name));
-                        format!("`{x}` is a displacement; its velocity is `{v}`")
-                    }
-                    None => {
-                        "a contact is a velocity or a difference of velocities, such as \"v\" or \"v1-v2\""
-                            .into()
-                    }
-                });
+            if !self.is_speed(text, node, states, nodes, ("so it cannot stick", "a contact")) {
                 continue;
             }
             let minus = self.graph.neg(node);
@@ -304,6 +289,54 @@ impl Checker {
             contacts.push(Contact { text: text.value.clone(), node });
         }
         contacts
+    }
+
+    /// The places where a force may act.
+    fn places(
+        &mut self,
+        spec: &Spec,
+        allowed: &[&str],
+        states: &[State],
+        nodes: &[Id],
+    ) -> Vec<(String, Contact)> {
+        let mut all: Vec<(String, Contact)> = Vec::new();
+        for (name, text) in &spec.places {
+            let Some(node) = self.expression(text, allowed) else { continue };
+            if self.is_speed(text, node, states, nodes, ("so no force acts along it", "a place")) {
+                all.push((name.value.clone(), Contact { text: text.value.clone(), node }));
+            }
+        }
+        all
+    }
+
+    /// Whether an expression is linear in velocities, and holds no displacement; otherwise a mistake says why not.
+    fn is_speed(
+        &mut self,
+        text: &Text,
+        node: Id,
+        states: &[State],
+        nodes: &[Id],
+        (not, what): (&str, &str),
+    ) -> bool {
+        let gradient = self.graph.gradient(node, nodes);
+        let parts: Vec<usize> =
+            (0..nodes.len()).filter(|&k| self.graph.value(gradient[k]) != Some(0.0)).collect();
+        let linear = gradient.iter().all(|&g| self.graph.value(g).is_some());
+        let displacement = parts.iter().copied().find(|&k| states[k].velocity.is_some());
+        if !parts.is_empty() && linear && displacement.is_none() {
+            return true;
+        }
+        let d = self.error(format!("`{}` is no velocity, {not}", text.value), text.span, "");
+        d.help.push(match displacement {
+            Some(k) => {
+                let (x, v) = (&states[k].name, states[k].velocity.map_or("", |v| &states[v].name));
+                format!("`{x}` is a displacement; its velocity is `{v}`")
+            }
+            None => {
+                format!("{what} is a velocity or a difference of velocities, such as \"v\" or \"v1-v2\"")
+            }
+        });
+        false
     }
 
     pub(super) fn unused_constants(&mut self, spec: &Spec) {

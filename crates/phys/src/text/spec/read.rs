@@ -72,6 +72,7 @@ impl Reader<'_> {
             "inertia",
             "unknown",
             "contacts",
+            "places",
             "data",
             "learn",
         ];
@@ -97,6 +98,7 @@ impl Reader<'_> {
         let inertia = self.pairs(&fields, "inertia", Self::words);
         let unknown = self.pairs(&fields, "unknown", Self::unknown);
         let contacts = self.optional(&fields, "contacts", |r, n| r.list(n, Self::words));
+        let places = self.pairs(&fields, "places", Self::words);
         let data = match data {
             Data::Required => self.required(&fields, "data", |r, n| r.filled(n, RECORD, Self::record)),
             Data::Optional => {
@@ -122,6 +124,7 @@ impl Reader<'_> {
             inertia,
             unknown,
             contacts: contacts.unwrap_or_default(),
+            places,
             data: data?,
             learn: learn.unwrap_or_default(),
         };
