@@ -254,19 +254,34 @@ fn on_body(system: &System, v: usize) -> Place {
 }
 
 /// The places between every two bodies that move in the same unit.
+///
+/// Those that the model connects, by a spring or a damper say, as far as it connects them: their number grows with the
+/// joints, not with its square.
 fn between_bodies(system: &mut System, bodies: &[usize]) -> Vec<Place> {
+    let feels = |a: usize, b: usize| {
+        let of_mechanism = system.momenta.iter().find(|(speed, ..)| *speed == a);
+        let forces = of_mechanism.map_or(system.known[a], |&(.., force)| force);
+        let moved: Vec<Id> =
+            displacement(system, b).into_iter().chain([b]).map(|k| system.states[k].node).collect();
+        system.graph.uses(&[forces], &moved)
+    };
+    let joined = |a: usize, b: usize| feels(a, b) || feels(b, a);
+    let alone: Vec<bool> = bodies.iter().map(|&a| !bodies.iter().any(|&b| b != a && joined(a, b))).collect();
+    let pairs: Vec<(usize, usize)> = (0..bodies.len())
+        .flat_map(|i| (i + 1..bodies.len()).map(move |j| (i, j)))
+        .filter(|&(i, j)| alone[i] || alone[j] || joined(bodies[i], bodies[j]))
+        .map(|(i, j)| (bodies[i], bodies[j]))
+        .collect();
     let mut all = Vec::new();
-    for (i, &a) in bodies.iter().enumerate() {
-        for &b in &bodies[i + 1..] {
-            let (Some(x), Some(y)) = (displacement(system, a), displacement(system, b)) else { continue };
-            if system.states[a].unit != system.states[b].unit {
-                continue;
-            }
-            let at = format!("{}-{}", system.states[a].name, system.states[b].name);
-            let [x, y, v, w] = [x, y, a, b].map(|k| of_state(system, k));
-            let (x, v) = (difference(system, &x, &y), difference(system, &v, &w));
-            all.push(Place { at, site: force(Some(x), v, vec![(a, -1.0), (b, 1.0)], a) });
+    for (a, b) in pairs {
+        let (Some(x), Some(y)) = (displacement(system, a), displacement(system, b)) else { continue };
+        if system.states[a].unit != system.states[b].unit {
+            continue;
         }
+        let at = format!("{}-{}", system.states[a].name, system.states[b].name);
+        let [x, y, v, w] = [x, y, a, b].map(|k| of_state(system, k));
+        let (x, v) = (difference(system, &x, &y), difference(system, &v, &w));
+        all.push(Place { at, site: force(Some(x), v, vec![(a, -1.0), (b, 1.0)], a) });
     }
     all
 }

@@ -60,7 +60,9 @@ fn convincing(
     })?;
     let (loaded, mut found) = all.into_iter().min_by(|a, b| deviance(&a.1).total_cmp(&deviance(&b.1)))?;
     let more_probable = before.deviance.is_none_or(|d| deviance(&found) < d);
-    if !more_probable || errors.powi(2) <= late.needed {
+    // Beside a law that is missing a delay is what comes nearest to it: it must leave noise.
+    let leaves_more = found.warnings.iter().any(Warning::doubts_residual);
+    if !more_probable || leaves_more || errors.powi(2) <= late.needed {
         return None;
     }
     let delay = found.parameters.iter().any(|p| p.id.to_string() == delay_name(&late.name));

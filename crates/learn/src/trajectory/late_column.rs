@@ -43,7 +43,7 @@ fn is_open(records: &[&Record], k: usize) -> bool {
 fn delay_of(context: &Context<'_>, fit: &Fit<'_>, column: usize) -> Option<(f64, f64)> {
     let late = |r: &&Record| {
         let mut record = (*r).clone();
-        let reach = mean_step(&record.time);
+        let reach = mean_step(&record.time) * record.len() as f64;
         record.sensors[column].delay.within = Some((-reach, reach));
         record
     };
@@ -60,12 +60,9 @@ fn delay_of(context: &Context<'_>, fit: &Fit<'_>, column: usize) -> Option<(f64,
         x[b.start..b.start + n].copy_from_slice(&fit.x[a.start..a.start + n]);
     }
     let normal = problem.normal(&x, &fit.weights).ok()?;
-    let delays: Vec<usize> = problem
-        .meanings()
-        .iter()
-        .enumerate()
-        .filter(|(_, m)| matches!(m, Meaning::Sensor(_, k, DELAY) if *k == column))
-        .map(|(k, _)| k)
+    let meanings = problem.meanings();
+    let delays: Vec<usize> = (0..meanings.len())
+        .filter(|&k| matches!(meanings[k], Meaning::Sensor(_, c, DELAY) if c == column))
         .collect();
     // What has run into a bound stays there.
     let follows = |k: usize| {
