@@ -99,6 +99,24 @@ fn friction_of_a_rail_under_a_swinging_load_is_found_from_energies() {
     assert!((level / FRICTION - 1.0).abs() < 0.01, "{level}");
 }
 
+/// What was identified stands among the forces of the mechanism, and predicts.
+#[test]
+fn what_is_identified_can_be_run_again() {
+    let folder = Scratch::new("mechanism_identified");
+    write(&folder, |&[x, _, th, _]| [x, th]);
+    let columns = r#""x": "a", "th": "b""#;
+    let more = r#"unknown: { "v": (factor: "-sgn(v)", candidates: ["1"]) }, contacts: ["v"],"#;
+    let rig = folder.path("rig.ron");
+    std::fs::write(&rig, spec(HANGING, columns, more)).expect("a file");
+    let out = folder.path("out");
+    phisindy(&["run", &rig, "--out", &out, "--quiet"]);
+    let text = std::fs::read_to_string(format!("{out}/identified.ron")).expect("a spec");
+    assert!(text.contains(r#""-c_v*sgn(v)": "v""#), "{text}");
+    let again = answer(&folder, "run", &text);
+    let missed = again["records"][1]["nrmse"]["x"].as_f64().expect("a number");
+    assert!(missed < 0.01, "{missed}: {again}");
+}
+
 #[test]
 fn an_answer_does_not_depend_on_the_coordinates() {
     let folder = Scratch::new("mechanism_coordinates");

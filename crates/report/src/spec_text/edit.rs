@@ -30,8 +30,9 @@ pub(super) struct Text(pub(super) String);
 impl Text {
     /// Sets the value at a path.
     pub(super) fn set(&mut self, path: &[&str], value: &str) -> Result<(), String> {
-        // A path quotes names that contain dots.
-        let part = |p: &&str| if p.contains('.') { format!("\"{p}\"") } else { (*p).to_owned() };
+        // A path quotes what is no name.
+        let name = |p: &str| p.chars().all(|c| c.is_alphanumeric() || c == '_');
+        let part = |p: &&str| if name(p) { (*p).to_owned() } else { format!("\"{p}\"") };
         let path = path.iter().map(part).collect::<Vec<_>>().join(".");
         self.0 = splice::set(&self.0, &path, value).map_err(|e| e.to_string())?;
         Ok(())

@@ -72,6 +72,9 @@ fn rates(text: &mut Text, spec: &Spec, input: Input<'_>, found: &Identified) -> 
         let named = |name: &phisindy_phys::spec::Text| name.value == state.name;
         let unknown = spec.unknown.iter().find(|(name, _)| named(name)).map(|(_, u)| u);
         let known = spec.known.iter().find(|(name, _)| named(name)).map(|(_, text)| text.value.as_str());
+        // What acts along a speed of a mechanism is one more of its forces.
+        let moved = spec.is_moved(&state.name);
+        let known = known.or(moved.then_some("0"));
         let (Some(unknown), Some(known), false) = (unknown, known, own.is_empty()) else { continue };
         let mut terms = Vec::new();
         for (place, f) in own.iter().enumerate() {
@@ -88,7 +91,12 @@ fn rates(text: &mut Text, spec: &Spec, input: Input<'_>, found: &Identified) -> 
             )?;
             terms.push((name, term.candidate.as_str()));
         }
-        text.set(&["known", &state.name], &format!("\"{}\"", rate(known, unknown, &terms)))?;
+        let whole = rate(known, unknown, &terms);
+        if moved {
+            text.set(&["energy", "forces", &whole], &format!("\"{}\"", state.name))?;
+        } else {
+            text.set(&["known", &state.name], &format!("\"{whole}\""))?;
+        }
     }
     if !spec.unknown.is_empty() {
         text.set(&["unknown"], "{}")?;
