@@ -58,6 +58,26 @@ pub fn drawn(error: &SpecError) -> String {
     draw::text(error.mistakes(), error.sources())
 }
 
+/// The runs that the bytes of journals hold, a line of JSON for each, and the table that `sweep --merge` makes of
+/// them. For the fuzzer.
+///
+/// # Errors
+/// In words: one of them is no journal, is damaged, or is of another sweep.
+#[doc(hidden)]
+pub fn merged_journals(journals: &[&[u8]]) -> Result<(Vec<String>, String), String> {
+    let read = |(k, text): (usize, &&[u8])| {
+        let shown = format!("journal {k}");
+        Ok((shown.clone(), sweep::Kept::of(text, &shown)?))
+    };
+    let told = |error: anyhow::Error| format!("{error:#}");
+    let merged = sweep::merge(journals.iter().enumerate().map(read)).map_err(told)?;
+    let cells = merged.design.cells();
+    let result = merged.table(&cells);
+    let lines = merged.runs.iter().flatten().map(serde_json::to_string).collect::<Result<_, _>>();
+    let lines = lines.map_err(|error| error.to_string())?;
+    Ok((lines, result.written(phisindy::Format::Text) + &result.written(phisindy::Format::Json)))
+}
+
 /// The words of a command line. A file in place of a command, and a misspelt command, get a suggestion.
 fn parsed(line: &[OsString]) -> Result<Args, clap::Error> {
     let matches = command_line().try_get_matches_from(line);

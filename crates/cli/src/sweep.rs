@@ -14,8 +14,8 @@ pub(crate) mod shard;
 
 pub(crate) use cells::{Axis, Cell, listed, product, vary};
 pub(crate) use design::Design;
-pub(crate) use journal::{Journal, NAME};
-pub(crate) use merged::{Merged, merged};
+pub(crate) use journal::{Journal, Kept, NAME};
+pub(crate) use merged::{Merged, merge, merged};
 use shard::Shard;
 
 use crate::args::Options;

@@ -106,17 +106,7 @@ fn merge(args: &SweepArgs, options: &Options) -> Result<u8> {
     let folder = folder(options)?;
     let merged: Merged = merged(&args.merge)?;
     let cells = merged.design.cells();
-    let rows = cells.iter().zip(&merged.runs);
-    let result = SweepRuns {
-        spec: &merged.spec,
-        title: merged.design.title(),
-        method: merged.design.method(),
-        first: merged.design.first,
-        seeds: merged.design.seeds,
-        cells: rows.map(|((label, truth), runs)| CellRuns { label, truth, runs }).collect(),
-        stopped: merged.missing > 0,
-        seconds: merged.runs.iter().flatten().map(|run| run.seconds).sum(),
-    };
+    let result = merged.table(&cells);
     print(&result.written(options.format.into()))?;
     // A part replaces no whole.
     if let Some(folder) = folder.filter(|folder| !result.stopped || !is_complete(&folder.path().join(TABLE)))

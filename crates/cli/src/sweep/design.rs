@@ -19,6 +19,7 @@ pub(crate) struct Design {
 
 /// A cell: its label, and its truth or why there is none.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 struct DesignCell {
     label: String,
     names: Vec<TermName>,
@@ -51,6 +52,18 @@ impl Design {
         };
         let step = method == Method::Step;
         Design { title: title.to_owned(), step, first, seeds, cells: cells.map(cell).collect() }
+    }
+
+    /// Whether it can be that of a sweep: what a damaged line says may be JSON and make no sense.
+    pub(crate) fn makes_sense(&self) -> bool {
+        let cell = |c: &DesignCell| c.names.len() == c.coefficients.len();
+        self.seeds.checked_sub(1).is_some_and(|more| self.first.checked_add(more).is_some())
+            && self.cells.iter().all(cell)
+    }
+
+    /// Whether a run with this seed belongs to it.
+    pub(crate) fn holds(&self, seed: u64) -> bool {
+        seed.checked_sub(self.first).is_some_and(|place| place < self.seeds)
     }
 
     /// The title of the case.

@@ -46,6 +46,26 @@ pub(crate) struct Kept {
     pub(crate) runs: Vec<Run>,
 }
 
+impl Kept {
+    /// What the bytes of a journal hold; messages call it `shown`.
+    ///
+    /// # Errors
+    /// It is none, or is damaged.
+    pub(crate) fn of(text: &[u8], shown: &str) -> Result<Kept> {
+        let (header, runs) = lines(&text[..whole(text)], shown)?;
+        let Header { spec, fingerprint, design, .. } = header.ok_or_else(|| foreign(shown))?;
+        if design == Design::default() {
+            bail!("`{shown}` is of an earlier version, which did not keep what a merge needs: sweep again");
+        }
+        if !design.makes_sense() {
+            bail!(
+                "the first lines of `{shown}` are damaged: the sweep that they tell of cannot be one; sweep again"
+            );
+        }
+        Ok(Kept { spec, fingerprint, design, runs })
+    }
+}
+
 /// Finished runs, by cell and seed.
 #[derive(Debug, Default)]
 pub(crate) struct Journal {
@@ -124,13 +144,7 @@ impl Journal {
     /// It cannot be read, is none, or is damaged.
     pub(crate) fn read(path: &Path) -> Result<Kept> {
         let shown = path.display().to_string();
-        let text = std::fs::read(path).with_context(|| format!("cannot read `{shown}`"))?;
-        let (header, runs) = lines(&text[..whole(&text)], &shown)?;
-        let Header { spec, fingerprint, design, .. } = header.ok_or_else(|| foreign(&shown))?;
-        if design == Design::default() {
-            bail!("`{shown}` is of an earlier version, which did not keep what a merge needs: sweep again");
-        }
-        Ok(Kept { spec, fingerprint, design, runs })
+        Kept::of(&std::fs::read(path).with_context(|| format!("cannot read `{shown}`"))?, &shown)
     }
 
     /// Whether a run is finished.

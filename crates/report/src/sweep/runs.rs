@@ -15,6 +15,7 @@ pub struct NamedTruth {
 
 /// The name of a term, shown as `STATE:candidate`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct TermName {
     /// The state whose rate it enters.
     pub state: String,
@@ -28,8 +29,9 @@ impl std::fmt::Display for TermName {
     }
 }
 
-/// One finished run.
+/// One finished run. A damaged line of a journal has no other meaning: every field is there, and no further one.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Run {
     /// Label of its cell.
     pub cell: String,
@@ -74,12 +76,15 @@ impl std::fmt::Display for RunVerdict {
 
 /// A term of the truth that was found; an end of the interval that is missing is at infinity.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Found {
     /// Coefficient.
     pub value: f64,
     /// Lower end of its 95 % interval.
+    #[serde(deserialize_with = "Option::deserialize")]
     pub low: Option<f64>,
     /// Upper end.
+    #[serde(deserialize_with = "Option::deserialize")]
     pub high: Option<f64>,
 }
 
