@@ -215,6 +215,35 @@ fn nothing_outside_of_the_folder_is_read_or_written() {
 }
 
 #[test]
+fn a_spec_that_was_dropped_names_no_folder_of_data() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let [work, other] = ["work", "other"].map(|name| folder.path().join(name));
+    for (place, heading) in [(&work, "x"), (&other, "secret")] {
+        std::fs::create_dir(place).expect("made");
+        std::fs::write(place.join(format!("{heading}.csv")), format!("t,{heading}\n0,1\n1,2\n"))
+            .expect("written");
+    }
+    let spec = r#"(states: { "x": "m" }, known: { "x": "-x" }, data: [Csv(path: "secret.csv", time: "t", columns: { "x": "x" })])"#;
+    let written = format!("// What `phisindy run a.ron` found.\n// Data files in: ../other\n{spec}");
+    let checked = |page: &Page| {
+        let url = page.url();
+        let (host, token) =
+            url.trim_start_matches("http://").trim_end_matches('/').split_once('/').expect("both");
+        let length = written.len();
+        let head = format!(
+            "POST /{token}/api/check?name=a.ron HTTP/1.1\r\nHost: {host}\r\nContent-Length: {length}\r\n\r\n"
+        );
+        String::from_utf8(page.answered((head + &written).as_bytes())).expect("text")
+    };
+    let said = checked(&Page::open(&work, None, 0, Request::default()).expect("a page"));
+    assert!(said.contains("there is no data file") && !said.contains("columns of the file"), "{said}");
+    // What was there when the page was opened is the user's own.
+    std::fs::write(work.join("b.ron"), &written).expect("written");
+    let said = checked(&Page::open(&work, None, 0, Request::default()).expect("a page"));
+    assert!(said.contains("columns of the file"), "{said}");
+}
+
+#[test]
 fn a_file_becomes_a_spec_and_the_spec_a_result() {
     let mut page = Served::new(None);
     let rig = std::fs::read_to_string(top().join("docs/tutorial/rig.csv")).expect("the file of the tutorial");

@@ -557,6 +557,7 @@ impl Options {
             data: self.data.clone(),
             naming: Naming::Option,
             further_data: environment.map(PathBuf::from),
+            named_data: None,
             laws: self.laws.clone(),
             seed: self.seed,
             tables: vec![],

@@ -10,7 +10,8 @@
 //! ```
 //!
 //! It is a layer over the library `phisindy` and knows no numerics. Everything is a file in one folder: the
-//! data, the spec, and each result in `results/NAME`. Nothing outside of that folder is read or written. The
+//! data, the spec, and each result in `results/NAME`. Nothing outside of that folder is written, and nothing is
+//! read but data and laws in folders that were named when it was opened: no request names another one. The
 //! server listens on the loopback interface alone, and answers only requests that know the random token of
 //! its address.
 
@@ -29,7 +30,8 @@ mod site;
 use folder::Working;
 use guard::Guard;
 use jobs::Jobs;
-use phisindy::files::Request;
+use phisindy::files::{Request, spec_text};
+use phisindy_report::spec_text::named_data;
 use server::Server;
 use site::Site;
 use std::io;
@@ -51,12 +53,22 @@ pub struct Page {
 
 impl Page {
     /// Listens on a free port of 127.0.0.1, or on `port`. The page works in `folder` and begins with its file
-    /// `first`, a spec or a data file; `request` names further folders of data and laws, which are read only.
+    /// `first`, a spec or a data file; `request` names further folders of data and laws, which are read only, as
+    /// are those that the specs name which are in the folder now.
     ///
     /// # Errors
     /// There is no such folder, the port is taken, or the system gives no random numbers.
     pub fn open(folder: &Path, first: Option<&str>, port: u16, request: Request) -> io::Result<Page> {
         let folder = Working::open(folder)?;
+        let specs =
+            folder.names(&["ron"]).into_iter().filter_map(|name| spec_text(&folder.file(&name).ok()?).ok());
+        let mut named: Vec<String> = Vec::new();
+        for text in specs {
+            named.extend(named_data(&text).into_iter().map(str::to_owned));
+        }
+        named.sort();
+        named.dedup();
+        let request = Request { named_data: Some(named), ..request };
         let listener = TcpListener::bind(SocketAddr::from((Ipv4Addr::LOCALHOST, port))).map_err(|why| {
             io::Error::new(why.kind(), format!("cannot listen on port {port} of 127.0.0.1: {why}"))
         })?;

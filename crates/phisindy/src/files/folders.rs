@@ -92,10 +92,13 @@ impl Folders {
         folders.extend(request.further_data.iter().map(|d| (d.clone(), "PHISINDY_DATA")));
         let given = !folders.is_empty();
         let beside = spec.parent().map(Path::to_owned).unwrap_or_default();
-        let named =
-            named_data(text).into_iter().map(|folder| (beside.join(folder), "named in the head of the spec"));
         folders.push((beside.clone(), "beside the spec"));
-        folders.extend(named);
+        let named = match &request.named_data {
+            Some(named) => named.iter().map(String::as_str).collect(),
+            None => named_data(text),
+        };
+        folders
+            .extend(named.into_iter().map(|folder| (beside.join(folder), "named in the head of the spec")));
         Folders { folders, given, naming: request.naming }
     }
 

@@ -12,6 +12,9 @@ pub struct Request {
     pub data: Option<PathBuf>,
     /// Folder that is searched next (the variable `PHISINDY_DATA`); the last one is that of the spec.
     pub further_data: Option<PathBuf>,
+    /// Folders, relative to that of the spec, in place of those that the head of its text names: a text that
+    /// came from elsewhere chooses none.
+    pub named_data: Option<Vec<String>>,
     /// Folder of further laws, beside the folder `laws` of the spec (`--laws`).
     pub laws: Option<PathBuf>,
     /// Seed of synthetic data, in place of the spec's.
