@@ -54,7 +54,7 @@ pub use graph::{Graph, Id, Node};
 pub use lower::UnknownName;
 pub use names::{Names, Symbol, nearest};
 pub use ops::{Binary, Parity, Unary};
-pub use parser::{ParseError, ParseErrorKind, parse, parse_with};
+pub use parser::{ParseError, ParseErrorKind, clipped, parse, parse_with};
 pub use print::{latex_name, latex_number, latex_rate};
 pub use rename::rename;
 pub use span::Span;

@@ -181,9 +181,12 @@ pub fn parse_with(text: &str, accessors: &[&str]) -> Result<Ast, ParseError> {
     }
 }
 
-/// The beginning of a text, short enough for a message.
-fn clipped(text: &str) -> Cow<'_, str> {
-    match text.char_indices().nth(40) {
+/// Most characters of a word that a message repeats.
+const LONGEST: usize = 40;
+
+/// The beginning of a text, of so many characters at most, for a message.
+pub fn clipped(text: &str, most: usize) -> Cow<'_, str> {
+    match text.char_indices().nth(most) {
         Some((end, _)) => format!("{}...", &text[..end]).into(),
         None => text.into(),
     }
@@ -213,7 +216,7 @@ impl Parser<'_> {
 
     fn token_text(&self) -> (String, Span) {
         match self.peek() {
-            Some((_, span)) => (format!("`{}`", clipped(&self.text[span.range()])), span),
+            Some((_, span)) => (format!("`{}`", clipped(&self.text[span.range()], LONGEST)), span),
             None => ("the end".into(), Span::new(self.text.len(), self.text.len())),
         }
     }
@@ -311,7 +314,7 @@ impl Parser<'_> {
             return self.access(name, span);
         }
         let Some(function) = function(&name) else {
-            let name = clipped(&name).into_owned();
+            let name = clipped(&name, LONGEST).into_owned();
             return Err(ParseError { kind: ParseErrorKind::UnknownFunction(name), span });
         };
         let open = self.tokens[self.next].1;

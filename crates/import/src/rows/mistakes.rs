@@ -4,7 +4,7 @@ use super::dialect::{Dialect, is_infinite, is_missing};
 use super::line::{Line, LineError};
 use crate::data_file::unreadable;
 use crate::listing;
-use phisindy_expr::{Span, nearest};
+use phisindy_expr::{Span, clipped, nearest};
 use phisindy_phys::spec::Text;
 use phisindy_phys::{Diagnostic, Severity, SourceId, Sources};
 use std::ops::Range;
@@ -13,6 +13,8 @@ use std::ops::Range;
 const OMIT: &str = "to leave out the rows that lack a value, say `missing: Omit` in the record: a short gap in time does no harm";
 /// Longest line that is shown in full.
 const WIDEST: usize = 160;
+/// Most characters of a field that a message repeats.
+const LONGEST: usize = 80;
 
 /// Creates the diagnostics for one file.
 pub(crate) struct Mistakes<'a> {
@@ -192,10 +194,11 @@ impl Mistakes<'_> {
         text: &str,
         dialect: &Dialect,
     ) -> Diagnostic {
+        let (column, shown) = (clipped(column, LONGEST), clipped(text, LONGEST));
         let message = if text.is_empty() {
             format!("column `{column}` has no value in {} {}", self.line, line.number)
         } else {
-            format!("column `{column}` holds the text `{text}` in {} {}", self.line, line.number)
+            format!("column `{column}` holds the text `{shown}` in {} {}", self.line, line.number)
         };
         let mut d = self.in_line(message, line, &field, "not a number");
         let marks = text.matches([',', '.']).count();

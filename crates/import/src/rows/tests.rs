@@ -138,6 +138,14 @@ fn decimation_streams() {
 }
 
 #[test]
+fn a_long_field_does_not_come_back_as_a_message() {
+    let file = format!("t,x\n{}12,{}\n", rows(|k| format!("{k},{k}\n")), "ä".repeat(3000));
+    let message = table(PLAIN, file.as_bytes()).expect_err("words");
+    assert!(message.contains("holds the text `ää") && message.contains("...`"), "{message}");
+    assert!(message.len() < 1000, "{} bytes", message.len());
+}
+
+#[test]
 fn mistakes_name_the_line_and_say_what_to_do() {
     let good = rows(|k| format!("{k},{k}\n"));
     let cases: &[(&str, Vec<u8>, &[&str])] = &[

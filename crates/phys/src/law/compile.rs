@@ -9,13 +9,21 @@ impl Law {
     /// Reads the text of a law and compiles its expressions.
     ///
     /// # Errors
-    /// The form (with line and column), an expression that cannot be parsed, a name that stands for nothing,
-    /// a parameter without a seed.
+    /// The form (with line and column), bounds between which there is no number, an expression that cannot be
+    /// parsed, a name that stands for nothing, a parameter without a seed.
     pub fn read(text: &str) -> Result<Law, LawError> {
         let law: Law = ron::Options::default()
             .with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME)
             .from_str(text)
             .map_err(|e| LawError::Form(e.to_string()))?;
+        for (name, parameter) in &law.parameters {
+            let (low, high) = parameter.within;
+            if low > high || low.is_nan() || high.is_nan() {
+                return Err(LawError::Form(format!(
+                    "`{name}`: there is no number within ({low:?}, {high:?})"
+                )));
+            }
+        }
         Ok(Law { compiled: compiled(&law)?, ..law })
     }
 }
@@ -139,5 +147,24 @@ impl Compiler {
             seeds.push(self.closed(&format!("seed of {name}"), text, &allowed)?);
         }
         Ok(LawScreen { columns, coefficients, grid, rate, seeds })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bounds_have_a_number_between_them() {
+        let law = |within: &str| {
+            let text = format!(
+                r#"(name: "A", roles: {{ "v": "m/s" }}, parameters: {{ "c": (unit: "", within: {within}) }}, force: "c*sgn(v)")"#
+            );
+            Law::read(&text).map(|law| law.sticks() && law.dissipates().is_some())
+        };
+        assert_eq!(law("(2.0, 2.0)"), Ok(true));
+        for within in ["(5.1, 4.0)", "(NaN, 1.0)", "(0.0, NaN)"] {
+            assert!(matches!(law(within), Err(LawError::Form(why)) if why.contains("`c`")), "{within}");
+        }
     }
 }

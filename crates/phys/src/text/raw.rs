@@ -7,9 +7,12 @@ mod mistake;
 mod scan;
 
 pub(crate) use mistake::Mistake;
-use phisindy_expr::Span;
+use phisindy_expr::{Span, clipped};
 use ron::extensions::Extensions;
 use scan::{Kind, Token, tokens};
+
+/// Most characters of a text that a message repeats.
+const LONGEST: usize = 200;
 
 /// What a value looks like from outside.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -167,16 +170,29 @@ impl Outline<'_> {
         if numeric || matches!(unsigned, "inf" | "NaN") {
             return match options().from_str::<serde::de::IgnoredAny>(word) {
                 Ok(_) => Ok(Shape::Number),
-                Err(_) => Err(Mistake::new(format!("`{word}` is not a number"), span, "not a number")
-                    .help(format!("an expression stands in quotes: \"{}\"", self.expression()))),
+                Err(_) => Err(Mistake::new(
+                    format!("`{}` is not a number", clipped(word, LONGEST)),
+                    span,
+                    "not a number",
+                )
+                .help(self.in_quotes())),
             };
         }
         let name = word.strip_prefix("r#").unwrap_or(word);
         if name.chars().all(|c| c.is_alphanumeric() || c == '_') {
             return Ok(Shape::Name);
         }
-        Err(Mistake::new(format!("`{word}` is neither a number nor a name"), span, "not a value")
-            .help(format!("an expression stands in quotes: \"{}\"", self.expression())))
+        Err(Mistake::new(
+            format!("`{}` is neither a number nor a name", clipped(word, LONGEST)),
+            span,
+            "not a value",
+        )
+        .help(self.in_quotes()))
+    }
+
+    /// How the expression would be right.
+    fn in_quotes(&self) -> String {
+        format!("an expression stands in quotes: \"{}\"", clipped(self.expression(), LONGEST))
     }
 
     /// The expression without quotes that the present token is part of: from the colon before it, or from it
@@ -230,15 +246,14 @@ impl Outline<'_> {
                 other => {
                     let next = other.map_or("", |t| self.slice(t.span));
                     let span = Span::new(end, end);
-                    let mistake =
-                        Mistake::new(format!("expected a comma before `{next}`"), span, "a comma is missing");
+                    let mistake = Mistake::new(
+                        format!("expected a comma before `{}`", clipped(next, LONGEST)),
+                        span,
+                        "a comma is missing",
+                    );
                     // `v - k*x`: what follows a value is no key, but the next part of an expression.
                     let operator = next.starts_with(['+', '-', '*', '/', '^']);
-                    return Err(if operator {
-                        mistake.help(format!("an expression stands in quotes: \"{}\"", self.expression()))
-                    } else {
-                        mistake
-                    });
+                    return Err(if operator { mistake.help(self.in_quotes()) } else { mistake });
                 }
             }
         }
@@ -328,6 +343,17 @@ mod tests {
         ] {
             let mistake = parse(text).expect_err(text);
             assert_eq!(mistake.help, Some(format!("an expression stands in quotes: \"{due}\"")), "{text}");
+        }
+    }
+
+    #[test]
+    fn a_long_line_does_not_come_back_as_a_message() {
+        let long = "x".repeat(5000);
+        for text in [format!("- {long}"), format!("-{long}+"), format!("3{long}"), format!("(a: 1 +{long}")] {
+            let Mistake { message, help, .. } = parse(&text).expect_err("no value");
+            let length = message.len() + help.as_ref().map_or(0, String::len);
+            assert!(length < 1000, "{length} bytes: {message}");
+            assert!(help.is_none_or(|help| help.contains("...\"")), "{message}");
         }
     }
 
