@@ -136,7 +136,7 @@ def _read(path: Path) -> dict[str, dict[str, Any]]:
         return found
     except OSError as error:
         raise DataError(f"cannot read `{path}`: {error}") from error
-    except (ValueError, KeyError, TypeError) as error:
+    except (ValueError, KeyError, TypeError, RecursionError) as error:
         raise DataError(
             f"`{path}` holds no results of `map` or `sweep` (line {number}: {error}): remove that line, or give another file"
         ) from error

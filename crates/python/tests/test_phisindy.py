@@ -286,9 +286,10 @@ def test_a_fleet_goes_on_from_what_is_kept(tmp_path):
     assert all(json.loads(line)["key"] for line in out.read_text().splitlines())
     # A line that is torn in the middle of the file is told by its number.
     kept = out.read_bytes()
-    out.write_bytes(kept.replace(b"\n", b"\n{\"key\"\n", 1))
-    with pytest.raises(phisindy.DataError, match="fleet.jsonl` holds no results .*line 2: .*remove that line"):
-        phisindy.map(run, [good], out=out)
+    for torn in (b"{\"key\"", b"[" * 100_000):
+        out.write_bytes(kept.replace(b"\n", b"\n" + torn + b"\n", 1))
+        with pytest.raises(phisindy.DataError, match="fleet.jsonl` holds no results .*line 2: .*remove that line"):
+            phisindy.map(run, [good], out=out)
     out.write_bytes(kept)
     # Other options are another run.
     phisindy.map(run, [good], out=out, jobs=1, method="step")
