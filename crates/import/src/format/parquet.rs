@@ -168,7 +168,14 @@ impl Cells {
         kind: Kind,
         left: &mut usize,
     ) -> Result<(), ParquetError> {
-        let level = group.metadata().column(column).column_descr().max_def_level();
+        let chunk = group.metadata().column(column);
+        // The reader asserts that these are not negative, and does not look.
+        if chunk.dictionary_page_offset().unwrap_or(chunk.data_page_offset()) < 0
+            || chunk.compressed_size() < 0
+        {
+            return Err(ParquetError::General("its place lies before the file".to_owned()));
+        }
+        let level = chunk.column_descr().max_def_level();
         let reader = group.get_column_reader(column)?;
         match (self, reader) {
             (Cells::Dates(all), ColumnReader::Int64ColumnReader(reader)) => {
@@ -222,5 +229,24 @@ fn cells<T: DataType>(
         } else {
             levels.iter().for_each(|own| push(if *own == level { values.next() } else { None }));
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_place_before_the_file_is_an_error_and_no_panic() {
+        let whole = include_bytes!("../../tests/fixtures/run.parquet");
+        let places: Vec<String> = (0..whole.len())
+            .filter_map(|k| {
+                let mut bytes = whole.to_vec();
+                // The sign of a number in the footer is the last bit of its first byte.
+                bytes[k] ^= 1;
+                read(&bytes).err().map(|why| format!("{why:?}"))
+            })
+            .collect();
+        assert!(places.iter().any(|why| why.contains("before the file")), "{places:?}");
     }
 }
