@@ -14,7 +14,9 @@ pub fn csv(input: &[u8]) {
     let Ok(fields) = std::str::from_utf8(fields) else { return };
     let fields = if fields.is_empty() { "time: \"t\", columns: { \"x\": \"x\" }" } else { fields };
     let file = file.strip_prefix(b"\0").unwrap_or(file);
-    let text = format!("(states: {{ \"x\": \"m\" }}, known: {{ \"x\": \"1\" }}, data: [Csv(path: \"a.csv\", {fields})])");
+    let text = format!(
+        "(states: {{ \"x\": \"m\" }}, known: {{ \"x\": \"1\" }}, data: [Csv(path: \"a.csv\", {fields})])"
+    );
     let mut sources = Sources::default();
     let source = sources.add("case.ron", text.clone());
     let Ok((spec, _)) = read(&text, source) else { return };
@@ -40,7 +42,11 @@ pub fn csv(input: &[u8]) {
 
 /// A file of any format but workbooks, whose reader is not ours: the table of `new`, and a record that asks for its second column.
 pub fn format(input: &[u8]) {
-    if input.starts_with(b"\xD0\xCF\x11\xE0") || [&b"xl/workbook"[..], b"content.xml"].iter().any(|name| input.windows(name.len()).any(|w| w == *name)) {
+    if input.starts_with(b"\xD0\xCF\x11\xE0")
+        || [&b"xl/workbook"[..], b"content.xml"]
+            .iter()
+            .any(|name| input.windows(name.len()).any(|w| w == *name))
+    {
         return;
     }
     let mut sources = Sources::default();
@@ -65,7 +71,9 @@ pub fn format(input: &[u8]) {
     let [DataSpec::Csv(csv)] = spec.data.as_slice() else { return };
     let units = Units { time: Unit::ONE, columns: vec![Unit::ONE] };
     match phisindy_import::record(csv, &units, DataFile::of_bytes("a", input), source, &mut sources) {
-        Ok((table, _)) => assert!(table.columns.iter().all(|c| c.len() == table.time.len() && c.iter().all(|x| x.is_finite()))),
+        Ok((table, _)) => assert!(
+            table.columns.iter().all(|c| c.len() == table.time.len() && c.iter().all(|x| x.is_finite()))
+        ),
         Err(said) => {
             assert!(!said.is_empty(), "refused without a reason");
             said.iter().for_each(|d| told_well(d, &sources));

@@ -1,14 +1,22 @@
-//! What must hold for any input: one function for each thing that reads text. None may panic; the rest is asserted here.
+//! What must hold for any input: one function for each thing that reads what others wrote. None may panic; the rest is asserted here.
 //!
 //! ```text
 //! python3 fuzz/run.py all 2000000 1      corpus from specs/, then libFuzzer on each target, then a row of docs/robustness.md for each
 //! ```
 
+mod border;
 mod datafile;
 mod meter;
+mod page;
+mod search;
+mod sweep;
 
+pub use border::border;
 pub use datafile::{csv, format};
-pub use meter::measured;
+pub use meter::{Limits, measured, measured_within};
+pub use page::routes;
+pub use search::gap;
+pub use sweep::journal;
 
 use phisindy_expr::{Graph, Names, Scratch, Span, Symbol, Tape, parse};
 use phisindy_phys::{Diagnostic, Law, SourceId, Sources, splice};
@@ -55,7 +63,10 @@ pub fn expression(input: &[u8]) {
     many.run();
     for k in 0..outputs.len() {
         let (a, b) = (one.output(k)[0], many.output(k)[2]);
-        assert!(a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan()), "{text:?}: {a} alone, {b} in a lane");
+        assert!(
+            a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan()),
+            "{text:?}: {a} alone, {b} in a lane"
+        );
     }
 }
 
@@ -96,7 +107,9 @@ pub fn splice(input: &[u8]) {
     let mut parts = text.splitn(3, '\0');
     let (Some(path), Some(value), Some(text)) = (parts.next(), parts.next(), parts.next()) else { return };
     match splice::set(text, path, value) {
-        Ok(new) => assert_eq!(splice::set(&new, path, value).as_ref(), Ok(&new), "{path}={value} in {text:?}"),
+        Ok(new) => {
+            assert_eq!(splice::set(&new, path, value).as_ref(), Ok(&new), "{path}={value} in {text:?}")
+        }
         Err(e) => assert!(!e.message.is_empty()),
     }
 }
@@ -106,7 +119,16 @@ pub fn law(input: &[u8]) {
     let Ok(text) = std::str::from_utf8(input) else { return };
     match Law::read(text) {
         Ok(law) => {
-            law.acts();
+            let told = [
+                law.is_hysteretic(),
+                law.sticks(),
+                law.has_clearance(),
+                law.is_resistance(),
+                law.has_memory(),
+            ];
+            assert!(!(law.is_linear_spring() && !law.is_spring()), "{text:?} and {told:?}");
+            assert!(law.linear_parameters().len() <= law.parameters.len());
+            let _ = (law.parity(), law.dissipates(), law.property());
             for mirror in [false, true] {
                 if let Some(force) = law.subtracted(mirror) {
                     expression(force.as_bytes());
@@ -121,7 +143,11 @@ pub fn law(input: &[u8]) {
 pub(crate) fn told_well(diagnostic: &Diagnostic, sources: &Sources) {
     assert!(!diagnostic.message.is_empty());
     let length = diagnostic.message.len() + diagnostic.help.iter().map(String::len).sum::<usize>();
-    assert!(length < LONGEST_MESSAGE, "{length} bytes: {}...", &diagnostic.message.chars().take(200).collect::<String>());
+    assert!(
+        length < LONGEST_MESSAGE,
+        "{length} bytes: {}...",
+        &diagnostic.message.chars().take(200).collect::<String>()
+    );
     diagnostic.labels.iter().for_each(|label| inside(label.span, &sources.get(label.source).text));
 }
 
