@@ -1,5 +1,7 @@
 //! Names of a file in a message, which stays readable however many and long they are.
 
+use phisindy_expr::clipped;
+
 /// Most names of a list.
 const MOST_NAMES: usize = 20;
 /// Most characters of a name, and bytes of a list after which no name begins.
@@ -8,10 +10,7 @@ const MOST_BYTES: usize = 600;
 
 /// A name, cut where it is too long.
 pub(crate) fn name(name: &str) -> String {
-    match name.char_indices().nth(MOST_CHARACTERS) {
-        Some((end, _)) => format!("{}...", &name[..end]),
-        None => name.to_owned(),
-    }
+    clipped(name, MOST_CHARACTERS).into_owned()
 }
 
 /// The first names, with commas between them, and the number of those that are left out.

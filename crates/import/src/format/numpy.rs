@@ -3,6 +3,7 @@
 use crate::bytes::{Bytes, Kind};
 use crate::channel::{Channel, MOST_CHANNELS, Values};
 use crate::clock::stamp_text;
+use crate::listing;
 use crate::refusal::Refusal;
 
 const FORMAT: &str = "NumPy";
@@ -102,7 +103,7 @@ fn matrix(
     let (step, stride) = if by_rows { (size, count * size) } else { (samples * size, size) };
     if count > MOST_CHANNELS {
         return Err(Refusal::file(
-            format!("`{name}` has {rows} x {columns} numbers"),
+            format!("`{}` has {rows} x {columns} numbers", listing::name(name)),
             "that is no table: save its columns",
         ));
     }

@@ -2,6 +2,7 @@
 
 use crate::channel::{Channel, MOST_CHANNELS, Values};
 use crate::clock::stamp_text;
+use crate::listing;
 use crate::refusal::{Refusal, guarded};
 use bytes::Bytes;
 use parquet::basic::{ConvertedType, LogicalType, TimeUnit};
@@ -57,7 +58,7 @@ fn broken(error: ParquetError) -> Refusal {
 
 /// A column cannot be read: it is packed in a way that needs a library in C, or broken.
 fn refused(column: &str, error: &ParquetError) -> Refusal {
-    let words = error.to_string();
+    let (column, words) = (listing::name(column), error.to_string());
     if words.contains("Disabled feature") {
         return Refusal::file(
             format!("the column `{column}` is packed in a way that is not read (zstd, brotli)"),

@@ -4,7 +4,7 @@ use super::dialect::{Dialect, is_infinite, is_missing};
 use super::line::{Line, LineError};
 use crate::data_file::unreadable;
 use crate::listing;
-use phisindy_expr::{Span, clipped, nearest};
+use phisindy_expr::{Span, nearest};
 use phisindy_phys::spec::Text;
 use phisindy_phys::{Diagnostic, Severity, SourceId, Sources};
 use std::ops::Range;
@@ -13,8 +13,6 @@ use std::ops::Range;
 const OMIT: &str = "to leave out the rows that lack a value, say `missing: Omit` in the record: a short gap in time does no harm";
 /// Longest line that is shown in full.
 const WIDEST: usize = 160;
-/// Most characters of a field that a message repeats.
-const LONGEST: usize = 80;
 
 /// Creates the diagnostics for one file.
 pub(crate) struct Mistakes<'a> {
@@ -113,7 +111,8 @@ impl Mistakes<'_> {
         names: &[String],
         header: Option<&Line>,
     ) -> Diagnostic {
-        let message = format!("the data file `{}` has no column `{}`", self.name, wanted.value);
+        let message =
+            format!("the data file `{}` has no column `{}`", self.name, listing::name(&wanted.value));
         let mut d = Diagnostic::error(message).at(self.spec, wanted.span, "asked for here");
         let near = nearest(&wanted.value, names.iter().map(String::as_str));
         if let Some(line) = header {
@@ -149,7 +148,7 @@ impl Mistakes<'_> {
     ) -> Diagnostic {
         let (first, first_at) = self.excerpt(line, &a);
         self.in_line(
-            format!("the data file `{}` has two columns `{}`", self.name, wanted.value),
+            format!("the data file `{}` has two columns `{}`", self.name, listing::name(&wanted.value)),
             line,
             &b,
             "again here",
@@ -194,7 +193,7 @@ impl Mistakes<'_> {
         text: &str,
         dialect: &Dialect,
     ) -> Diagnostic {
-        let (column, shown) = (clipped(column, LONGEST), clipped(text, LONGEST));
+        let (column, shown) = (listing::name(column), listing::name(text));
         let message = if text.is_empty() {
             format!("column `{column}` has no value in {} {}", self.line, line.number)
         } else {
@@ -223,7 +222,8 @@ impl Mistakes<'_> {
         column: &str,
         text: &str,
     ) -> Diagnostic {
-        let message = format!("column `{column}` is `{text}` in {} {}", self.line, line.number);
+        let (column, shown) = (listing::name(column), listing::name(text));
+        let message = format!("column `{column}` is `{shown}` in {} {}", self.line, line.number);
         let d = self.in_line(message, line, &field, "not a finite number");
         d.help(if is_missing(text) || is_infinite(text) {
             OMIT

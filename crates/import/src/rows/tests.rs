@@ -138,11 +138,19 @@ fn decimation_streams() {
 }
 
 #[test]
-fn a_long_field_does_not_come_back_as_a_message() {
-    let file = format!("t,x\n{}12,{}\n", rows(|k| format!("{k},{k}\n")), "ä".repeat(3000));
-    let message = table(PLAIN, file.as_bytes()).expect_err("words");
-    assert!(message.contains("holds the text `ää") && message.contains("...`"), "{message}");
-    assert!(message.len() < 1000, "{} bytes", message.len());
+fn a_long_field_or_name_does_not_come_back_as_a_message() {
+    let (long, numbers) = ("ä".repeat(3000), rows(|k| format!("{k},{k}\n")));
+    let asked = PLAIN.replace(": \"x\"", &format!(": \"{long}\""));
+    for (record, file, words) in [
+        (PLAIN, format!("t,x\n{numbers}12,{long}\n"), "holds the text `ää"),
+        (PLAIN, format!("t,{long}\n{numbers}"), "has no column `x`"),
+        (&asked, format!("t,x\n{numbers}"), "has no column `ää"),
+        (&asked, format!("t,{long},{long}\n{}", rows(|k| format!("{k},{k},{k}\n"))), "has two columns `ää"),
+    ] {
+        let message = table(record, file.as_bytes()).expect_err("words");
+        assert!(message.contains(words) && message.contains("..."), "{message}");
+        assert!(message.len() < 1000, "{} bytes", message.len());
+    }
 }
 
 #[test]
