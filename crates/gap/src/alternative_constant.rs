@@ -2,27 +2,18 @@
 //! is wrong by a few per cent changes a motion in a way that two or three laws can imitate. The result names
 //! the constant that would explain the data as well.
 
-use crate::decisions::{
-    CONSTANT_OFF, CONSTANTS_FITTED, CONSTANTS_SCREENED, FITTED_IN_FULL, RACE, SIMPLER, WORTH,
-};
+use crate::changed_constants::changeable;
+use crate::decisions::{CONSTANTS_FITTED, CONSTANTS_SCREENED, FITTED_IN_FULL, RACE, SIMPLER, WORTH};
 use crate::evidence::against;
 use crate::model::{Fitted, Measure, TrialModel, current};
-use crate::place::Effect;
+use crate::place::{Effect, Site};
 use crate::result::{AlternativeConstant, NamedValue, PlacedLaw};
 use crate::screen::{Candidate, Target, screen};
 use crate::search::placed;
 use phisindy_learn::Effort;
 use phisindy_phys::LawEntry;
-use phisindy_phys::spec::{ConstantSpec, Movable, Number, Spec, Text};
 use phisindy_phys::unit::Unit;
 use rayon::prelude::*;
-
-/// A constant as the spec has it.
-struct Constant {
-    name: String,
-    unit: String,
-    value: f64,
-}
 
 /// A constant that explains the data in place of effects.
 pub(crate) struct Instead {
@@ -35,7 +26,7 @@ pub(crate) struct Instead {
 pub(crate) fn a_constant_explains(base: &Fitted, noise: &[Vec<f64>]) -> bool {
     let model = base.model.without_effects();
     let free: Vec<TrialModel> =
-        constants(&model.given.spec).iter().filter_map(|c| with_free_constant(&model, c)).collect();
+        changeable(&model.given.spec).iter().filter_map(|c| model.with(c).ok()).collect();
     let explains = |free: TrialModel| {
         Fitted::new(free, noise, Effort::Plain).is_ok_and(|fitted| fitted.score.explains())
     };
@@ -55,13 +46,13 @@ pub(crate) fn alternative_constant(
     let effects = current(last);
     let base = last.model.without_effects();
     let fewer = subsets(&effects, last.score.is_white());
-    let constants: Vec<(Constant, TrialModel)> = constants(&base.given.spec)
+    let constants: Vec<(Effect, TrialModel)> = changeable(&base.given.spec)
         .into_iter()
-        .filter_map(|c| with_free_constant(&base, &c).map(|free| (c, free)))
+        .filter_map(|c| base.with(&c).ok().map(|free| (c, free.as_base())))
         .collect();
     let price = (last.cal.samples as f64).ln();
     let mut fitted = lowest_cost(last, &constants, &fewer, price, noise);
-    let chosen = |fitted: &[(&Constant, Fitted)], strict: bool| -> Option<(f64, usize)> {
+    let chosen = |fitted: &[(&Effect, Fitted)], strict: bool| -> Option<(f64, usize)> {
         let by = Measure::of(fitted.iter().map(|(_, f)| &f.score).chain([&last.score]), candidates);
         let limit = |f: &Fitted| if last.score.explains() && simpler(f, last) { SIMPLER } else { -WORTH };
         // A free constant costs as much as any other parameter.
@@ -76,13 +67,16 @@ pub(crate) fn alternative_constant(
     // A wrong constant may have misled the search from the first round, so the catalogue is screened again.
     let blamed = chosen(&fitted, false).map(|(_, k)| fitted[k].0);
     if blamed.is_some() || !last.score.explains() {
-        let eligible = |c: &Constant| blamed.is_none_or(|blamed| blamed.name == c.name);
+        let eligible = |c: &Effect| blamed.is_none_or(|blamed| blamed.place.at == c.place.at);
         fitted.extend(screened_with(constants.iter().filter(|(c, _)| eligible(c)), catalogue, noise));
     }
     let (worse, k) = chosen(&fitted, true)?;
     let (constant, best) = fitted.swap_remove(k);
-    let (_, value) = best.estimates(|p| p.name == constant.name).pop()?;
-    let factor = Unit::parse(&constant.unit).map_or(1.0, |u| u.factor);
+    let name = constant.place.at.clone();
+    let Site::Constant { stated } = constant.place.site else { return None };
+    let (_, value) = best.estimates(|p| p.name == name).pop()?;
+    let unit = constant.entry.law.parameters.first()?.1.unit.clone();
+    let factor = Unit::parse(&unit).map_or(1.0, |u| u.factor);
     let (kept, own) = (placed(&best.model), placed(&last.model));
     let without = |a: &[PlacedLaw], b: &[PlacedLaw]| -> Vec<PlacedLaw> {
         a.iter().filter(|law| !b.contains(law)).cloned().collect()
@@ -90,12 +84,8 @@ pub(crate) fn alternative_constant(
     // Another name for the same force is no better than it.
     let much_better = worse < -WORTH;
     let constant = AlternativeConstant {
-        constant: NamedValue {
-            name: constant.name.clone(),
-            value: value / factor,
-            unit: constant.unit.clone(),
-        },
-        stated: constant.value,
+        constant: NamedValue { name, value: value / factor, unit },
+        stated,
         other: without(&kept, &own),
         needless: without(&own, &kept),
         numbers: numbers(&best),
@@ -118,12 +108,12 @@ fn passes_evidence(fitted: &Fitted) -> bool {
 /// are fitted in full.
 fn lowest_cost<'c>(
     last: &Fitted,
-    constants: &'c [(Constant, TrialModel)],
+    constants: &'c [(Effect, TrialModel)],
     choices: &[Vec<Effect>],
     price: f64,
     noise: &[Vec<f64>],
-) -> Vec<(&'c Constant, Fitted)> {
-    let trials: Vec<(&Constant, &TrialModel, &Vec<Effect>)> = constants
+) -> Vec<(&'c Effect, Fitted)> {
+    let trials: Vec<(&Effect, &TrialModel, &Vec<Effect>)> = constants
         .iter()
         .flat_map(|(c, free)| choices.iter().map(move |effects| (c, free, effects)))
         .collect();
@@ -131,10 +121,10 @@ fn lowest_cost<'c>(
         let model = free.with_all(effects).ok()?;
         Some((model.segment_cost(noise, 1)?, constant, model))
     });
-    let mut costed: Vec<(f64, &Constant, TrialModel)> = costed.collect();
+    let mut costed: Vec<(f64, &Effect, TrialModel)> = costed.collect();
     let least = costed.iter().map(|(cost, ..)| *cost).fold(f64::INFINITY, f64::min);
     costed.retain(|(cost, ..)| *cost <= RACE * least);
-    let promise = |(cost, _, m): &(f64, &Constant, TrialModel)| {
+    let promise = |(cost, _, m): &(f64, &Effect, TrialModel)| {
         last.cal.samples as f64 * (1.0 + cost.ln()) + price * m.size() as f64
     };
     costed.sort_by(|a, b| promise(a).total_cmp(&promise(b)));
@@ -160,18 +150,18 @@ pub(crate) fn numbers(best: &Fitted) -> Vec<NamedValue> {
 /// Fits models with one free constant and one effect. Takes the constants that leave the smallest gap alone,
 /// and the leading laws of a screening for each.
 fn screened_with<'c>(
-    constants: impl Iterator<Item = &'c (Constant, TrialModel)>,
+    constants: impl Iterator<Item = &'c (Effect, TrialModel)>,
     catalogue: &[LawEntry],
     noise: &[Vec<f64>],
-) -> Vec<(&'c Constant, Fitted)> {
+) -> Vec<(&'c Effect, Fitted)> {
     let constants: Vec<_> = constants.collect();
     let alone = constants
         .into_par_iter()
         .filter_map(|(c, free)| Some((c, Fitted::new(free.clone(), noise, Effort::Plain).ok()?)));
-    let mut alone: Vec<(&Constant, Fitted)> = alone.collect();
+    let mut alone: Vec<(&Effect, Fitted)> = alone.collect();
     alone.sort_by(|(_, a), (_, b)| a.score.fit.total_cmp(&b.score.fit));
     alone.truncate(CONSTANTS_SCREENED);
-    let beside = |(constant, free): &(&'c Constant, Fitted)| -> Option<Vec<(&'c Constant, TrialModel)>> {
+    let beside = |(constant, free): &(&'c Effect, Fitted)| -> Option<Vec<(&'c Effect, TrialModel)>> {
         let model = free.settled();
         let screening = screen(&model, &free.cal, catalogue, noise, Target::AlongData)?;
         let (best, rest) = screening.candidates.split_at(FITTED_IN_FULL.min(screening.candidates.len()));
@@ -180,38 +170,11 @@ fn screened_with<'c>(
         let best = best.iter().chain(rest.iter().filter(simpler));
         Some(best.filter_map(|c| Some((*constant, model.with(&c.effect).ok()?))).collect())
     };
-    let models: Vec<(&Constant, TrialModel)> = alone.iter().filter_map(beside).flatten().collect();
+    let models: Vec<(&Effect, TrialModel)> = alone.iter().filter_map(beside).flatten().collect();
     models
         .into_par_iter()
         .filter_map(|(c, model)| Some((c, Fitted::new(model, noise, Effort::Plain).ok()?)))
         .collect()
-}
-
-/// The fixed constants of a spec, except those that are zero.
-fn constants(spec: &Spec) -> Vec<Constant> {
-    let of = |(name, constant): &(Text, ConstantSpec)| match constant {
-        ConstantSpec::Number { value, unit } if value.value != 0.0 => Some(Constant {
-            name: name.value.clone(),
-            unit: unit.as_ref().map_or(String::new(), |u| u.value.clone()),
-            value: value.value,
-        }),
-        _ => None,
-    };
-    spec.constants.iter().filter_map(of).collect()
-}
-
-/// The model with one of its constants free.
-fn with_free_constant(base: &TrialModel, constant: &Constant) -> Option<TrialModel> {
-    let mut spec = base.given.spec.clone();
-    let (_, own) = spec.constants.iter_mut().find(|(name, _)| name.value == constant.name)?;
-    let ConstantSpec::Number { value, unit } = own.clone() else { return None };
-    let span = value.span;
-    let (a, b) = (value.value / CONSTANT_OFF, CONSTANT_OFF * value.value);
-    let bound = |x: f64| Number { value: x, ..value.clone() };
-    let within = (bound(a.min(b)), bound(a.max(b)));
-    *own =
-        ConstantSpec::Movable(Movable { value: value.clone(), unit, within, sigma: None, each: false, span });
-    base.variant(spec)
 }
 
 /// All proper subsets of the effects where these explain the data; otherwise the first 0, 1, ... n of them.

@@ -277,6 +277,8 @@ decisions! {
 
     /// A fixed constant may be wrong by this factor.
     CONSTANT_OFF: f64 = 3.0, "factor", Basis::Judgement("a larger mistake would be seen by hand");
+    /// Most constants of the spec that have changed.
+    MOST_CHANGED: usize = 3, "constants", Basis::Judgement("with more of them it is another rig");
     /// Models with a free constant that are fitted in full.
     CONSTANTS_FITTED: usize = 6, "models", BLIND;
     /// Constants with which the catalogue is screened again.

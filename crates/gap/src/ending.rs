@@ -1,6 +1,7 @@
 //! The end of the workflow: the verdict on the model of a search, doubts, other explanations, the result.
 
 use crate::alternative_constant::alternative_constant;
+use crate::changed_constants::changed_constants;
 use crate::data_mistakes::data_mistakes;
 use crate::decisions::{REPEATS, SAME_FREQUENCY, SUBSTANTIAL};
 use crate::drive::Drive;
@@ -12,6 +13,7 @@ use crate::model::{
 };
 use crate::none_of_these::probability as probability_of_none;
 use crate::other_causes::{causes, input_noise};
+use crate::place::Site;
 use crate::plausibility::{cancelling, vetoed};
 use crate::result::verdict::{bent, helpful, refused, status};
 use crate::result::{
@@ -19,7 +21,7 @@ use crate::result::{
     MissingForce, Named, NotTried, PlacedLaw, RecordValue, Region, Rival, Simulated, Status, Step,
     StepParameter, StopReason, Tried, Veto, Warning, observed_ranges, regions,
 };
-use crate::search::{Round, SEARCHED, Search, Searched, placed, refitted};
+use crate::search::{Round, SEARCHED, Search, Searched, placed, refitted, round_from};
 use crate::sensor_linearity::sensor_nonlinearity;
 use crate::spec_mistakes::spec_mistake;
 use phisindy_learn::{Effort, FoundParameter, at_bounds, sensitive_starts};
@@ -91,6 +93,7 @@ impl<'s, 'a> Ending<'s, 'a> {
 
     /// The result.
     pub(crate) fn finished(mut self, text: &str, repeat: Vec<ColumnRepeat>) -> Result<Gap, GapError> {
+        self.changed_constants()?;
         let redrawn = self.redraw_inputs()?;
         let open = self.coarse_inputs()?;
         let floor = self.search.floor.max(open);
@@ -173,6 +176,25 @@ impl<'s, 'a> Ending<'s, 'a> {
         self.stop == StopReason::Interrupted || self.search.observer.stopped()
     }
 
+    /// Goes on with constants of the spec that changed, if they say more than the laws that were found.
+    fn changed_constants(&mut self) -> Result<(), GapError> {
+        let complete = self.last.score.explains() && self.last.model.effects.is_empty();
+        if complete || self.interrupted() {
+            return Ok(());
+        }
+        self.search.observer.tell(0.92, Activity::Constants);
+        let Some((changed, others)) = changed_constants(&self.last, &self.noise, self.candidates) else {
+            return Ok(());
+        };
+        self.rounds = vec![round_from(0, &self.base, &changed, &others, vec![], self.candidates)];
+        self.path = path(&self.base, &changed, &self.noise);
+        self.last = with_errors(changed, &self.noise)?;
+        self.path.push(self.last.clone());
+        self.stop = StopReason::White;
+        (self.force, self.needed) = (None, vec![]);
+        Ok(())
+    }
+
     /// Draws the inputs between their samples in the way that explains the data, if there is one; returns it.
     fn redraw_inputs(&mut self) -> Result<Option<Interpolation>, GapError> {
         let complete = self.last.score.explains() && self.last.model.effects.is_empty();
@@ -245,7 +267,9 @@ impl<'s, 'a> Ending<'s, 'a> {
         let whole = self.last.clone();
         let interrupted = self.interrupted();
         let mut alternative = None;
-        if status != Status::NothingMissing && !repeats && !interrupted {
+        let changed = |a: &Applied| matches!(a.effect.place.site, Site::Constant { .. });
+        let changed = whole.model.effects.iter().any(changed);
+        if status != Status::NothingMissing && !repeats && !interrupted && !changed {
             self.search.observer.tell(0.95, Activity::Constants);
             let catalogue = self.search.catalogue;
             if let Some(found) = alternative_constant(&whole, catalogue, &self.noise, self.candidates) {

@@ -13,6 +13,7 @@
 //! `result/words.rs`.
 
 mod alternative_constant;
+mod changed_constants;
 mod constraint;
 mod data_mistakes;
 mod decisions;
@@ -43,6 +44,7 @@ mod test_models;
 mod whiteness;
 mod workflow;
 
+pub use changed_constants::CHANGED;
 pub use decisions::decisions;
 pub use formula::DISCOVERED;
 pub use model::{Applied, SpecTextError, TrialModel};

@@ -62,6 +62,11 @@ pub enum Site {
     Sensor(Vec<String>),
     /// A recorded input and, where the model uses it too, its rate of change.
     Input(Vec<usize>),
+    /// A constant of the spec.
+    Constant {
+        /// Its value there, in its unit.
+        stated: f64,
+    },
 }
 
 impl Place {
@@ -79,8 +84,15 @@ impl Place {
     /// written in newtons and metres; the model may use volts, radians, or forces per mass.
     pub(crate) fn unit(&self, unit: &str, newtons: f64, system: &System) -> String {
         let Ok(parsed) = Unit::parse(unit) else { return String::new() };
-        if matches!(self.site, Site::Input(_)) {
-            return unit.to_owned();
+        match &self.site {
+            Site::Constant { .. } => return unit.to_owned(),
+            // What acts is measured as the input is.
+            Site::Input(inputs) => {
+                let force = parsed.dimension == Dimension::NEWTON && unit == "N";
+                let own = system.inputs[inputs[0]].unit.clone();
+                return if force { own } else { unit.to_owned() };
+            }
+            _ => {}
         }
         let Site::Force { state, .. } = &self.site else {
             let Site::Sensor(columns) = &self.site else { return String::new() };

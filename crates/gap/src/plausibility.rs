@@ -96,7 +96,7 @@ pub(crate) fn cancelling(last: &Fitted) -> Option<Cancelling> {
     }
     let acts = |k: usize| match &model.effects[k].effect.place.site {
         Site::Force { acts, .. } => acts.clone(),
-        Site::Sensor(_) | Site::Input(_) => vec![],
+        _ => vec![],
     };
     for (a, &(i, _)) in forces.iter().enumerate() {
         for (b, &(j, _)) in forces.iter().enumerate().skip(a + 1) {

@@ -55,6 +55,12 @@ fn effect(
             format!("write it into the record: `sensors: {{ COLUMN: ({which}: Find(...)) }}`"),
         ));
     }
+    if let Some(acts) = entry.law.acting() {
+        return Err((
+            format!("`{law}` is no force: it acts on an input, not on a rate"),
+            format!("write what acts, `{acts}`, in the place of the input in `known`"),
+        ));
+    }
     if let Some(which) = &entry.law.input {
         return Err((
             format!("`{law}` is no force: it acts on an input, not on a rate"),

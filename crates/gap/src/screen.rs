@@ -98,6 +98,7 @@ pub(crate) fn screen(
             free.seeds(sensor_trials(effect, &columns, &data), None)
         }
         Site::Input(inputs) => free.seeds(input_trials(effect, inputs, system, &data), None),
+        Site::Constant { .. } => free.seeds(vec![], None),
         Site::Force { .. } if model.stop.requested() => free.seeds(vec![], None),
         Site::Force { .. } => match ForceTrials::new(effect, system, &data) {
             Some(force) => free.seeds(force.on_grid(), Some(force.regressors)),
@@ -501,6 +502,12 @@ fn seeded(
 fn start(law: &Law, regressors: Option<&Regressors>, coefficients: &[f64], grid: &[f64]) -> Option<Vec<f64>> {
     let values = match regressors {
         Some(regressors) => regressors.parameters(coefficients, grid)?,
+        // What acts in the place of an input: all of its change, or none.
+        None if law.acting().is_some() => match law.neutral_input() {
+            Some(neutral) => vec![neutral + coefficients[0]],
+            None if coefficients[0] > 0.0 => grid.to_vec(),
+            None => return None,
+        },
         None => match law.property() {
             Some("gain") => vec![1.0 + coefficients[0]],
             _ => vec![coefficients[0]],

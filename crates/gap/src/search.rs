@@ -740,7 +740,7 @@ fn round(now: &Fitted, chosen: &Fitted, all: &[Fitted], vetoed: Vec<Vetoed>, can
 }
 
 /// The same where rivals are told from effect `before` on.
-fn round_from(
+pub(crate) fn round_from(
     before: usize,
     now: &Fitted,
     chosen: &Fitted,

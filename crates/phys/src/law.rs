@@ -19,6 +19,11 @@ use serde::de::{Deserializer, MapAccess, Visitor};
 use serde::{Deserialize, de};
 use std::fmt;
 
+/// The name of an input in what acts in its place.
+pub const INPUT: &str = "u";
+/// What acts is the input of a little while ago.
+const DELAY: &str = "delay";
+
 /// What a law's file says.
 ///
 /// ```
@@ -56,7 +61,7 @@ pub struct Law {
     pub push: Option<String>,
     /// Which property of a sensor it is.
     pub sensor: Option<String>,
-    /// Which property of an input it is: what acts is the recorded input times its gain, or a delay later.
+    /// What acts in the place of a recorded input `u`: an expression, or `delay` for the input of a little while ago.
     pub input: Option<String>,
     /// Its mirror image, which is tried too.
     pub mirror: Option<String>,
@@ -201,9 +206,14 @@ impl Law {
         self.roles.iter().find(|(_, unit)| is(unit)).map(|(name, _)| name.as_str())
     }
 
-    /// Which property of a sensor or of an input it is; `None` for a force.
+    /// Which property of a sensor it is, or what acts in the place of an input; `None` for a force.
     pub fn property(&self) -> Option<&str> {
         self.sensor.as_deref().or(self.input.as_deref())
+    }
+
+    /// What acts in the place of an input `u`, as an expression of it.
+    pub fn acting(&self) -> Option<&str> {
+        self.input.as_deref().filter(|what| *what != DELAY)
     }
 
     /// Whether it has states of its own.

@@ -22,8 +22,8 @@ mod units;
 
 pub use decision::{Basis, Decision};
 pub use law::{
-    BUILT_IN, Indistinguishable, Internal, Law, LawEntry, LawError, LawGraph, LawParameter, LawScreen, Need,
-    Role as LawRole, Screen, Sketch, jointly_linear,
+    BUILT_IN, INPUT, Indistinguishable, Internal, Law, LawEntry, LawError, LawGraph, LawParameter, LawScreen,
+    Need, Role as LawRole, Screen, Sketch, jointly_linear,
 };
 pub use suspicion::{Suspicion, Wrap, clipped, suspicions, wraps};
 pub use system::check::{Case, check, check_names, takes_units};

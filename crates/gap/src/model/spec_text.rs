@@ -5,7 +5,7 @@ use super::trial_model::{Applied, TrialModel};
 use crate::place::{Quantity, Site};
 use phisindy_expr::rename;
 use phisindy_phys::unit::Unit;
-use phisindy_phys::{LawRole, splice};
+use phisindy_phys::{INPUT, LawRole, splice};
 use phisindy_signal::Interpolation;
 use std::fmt;
 
@@ -59,6 +59,12 @@ pub(crate) fn text_with(
         rates: spec.known.iter().map(|(name, rate)| (name.value.clone(), rate.value.clone())).collect(),
         outputs: spec.outputs.iter().map(|(name, o)| (name.value.clone(), o.reads.value.clone())).collect(),
         contacts: spec.contacts.iter().map(|c| c.value.clone()).collect(),
+        forces: spec
+            .energy
+            .iter()
+            .flat_map(|e| &e.forces)
+            .map(|(force, along)| (force.value.clone(), along.value.clone()))
+            .collect(),
     };
     for applied in &model.effects {
         constants(&mut text, model, applied)?;
@@ -67,8 +73,10 @@ pub(crate) fn text_with(
             Site::Input(inputs) if applied.effect.is_input_delay() => {
                 delay(&mut text, model, applied, inputs)?
             }
-            Site::Input(inputs) => gain(&mut text, model, applied, inputs, &mut parts)?,
+            Site::Input(inputs) => acting(&mut text, model, applied, inputs, &mut parts)?,
             Site::Force { .. } => force(&mut text, model, applied, &mut parts)?,
+            // It stands among the constants by now.
+            Site::Constant { .. } => {}
         }
     }
     Ok(text.0)
@@ -79,13 +87,16 @@ struct Parts {
     rates: Vec<(String, String)>,
     outputs: Vec<(String, String)>,
     contacts: Vec<String>,
+    /// Forces of energies, each with the speed along which it acts.
+    forces: Vec<(String, String)>,
 }
 
 /// The constants with their start values in the model.
 fn start_values(text: &mut Text, model: &TrialModel) -> Result<(), SpecTextError> {
     let base = model.without_effects();
-    for (k, p) in base.system.parameters.iter().enumerate() {
-        let now = model.system.parameters[k].start;
+    for p in &base.system.parameters {
+        let own = model.system.parameters.iter().find(|own| own.name == p.name);
+        let now = own.map_or(p.start, |own| own.start);
         let field = if p.known { "value" } else { "start" };
         let factor = Unit::parse(&p.unit).map_or(1.0, |u| u.factor);
         if now.to_bits() != p.start.to_bits() {
@@ -129,27 +140,44 @@ fn delay(
     Ok(())
 }
 
-/// A gain of inputs, wherever they stand in rates and outputs.
-fn gain(
+/// What acts in the place of inputs, wherever they stand in rates, outputs and forces.
+fn acting(
     text: &mut Text,
     model: &TrialModel,
     applied: &Applied,
     inputs: &[usize],
     parts: &mut Parts,
 ) -> Result<(), SpecTextError> {
-    let gain = &applied.names[0];
-    let name = |&j: &usize| model.system.inputs[j].name.clone();
-    let with: Vec<(String, String)> =
-        inputs.iter().map(|j| (name(j), format!("({gain}*{})", name(j)))).collect();
-    let scaled = |text: &str| rename(text, &with).unwrap_or_else(|_| text.to_owned());
+    internal(text, model, applied)?;
+    let acts = applied.effect.entry.law.acting().unwrap_or(INPUT);
+    let of = |&j: &usize| {
+        let name = model.system.inputs[j].name.clone();
+        let own =
+            |(from, to): (String, String)| if from == INPUT { (from, name.clone()) } else { (from, to) };
+        let with: Vec<(String, String)> = replacements(applied).into_iter().map(own).collect();
+        let acts = rename(acts, &with).unwrap_or_else(|_| acts.to_owned());
+        (name, format!("({acts})"))
+    };
+    let with: Vec<(String, String)> = inputs.iter().map(of).collect();
+    let changed = |text: &str| rename(text, &with).unwrap_or_else(|_| text.to_owned());
     for (name, rate) in &mut parts.rates {
-        *rate = scaled(rate);
+        *rate = changed(rate);
         text.set(&format!("known.{name}"), &format!("\"{rate}\""))?;
     }
     for (name, reads) in &mut parts.outputs {
-        *reads = scaled(reads);
+        *reads = changed(reads);
         text.set(&format!("outputs.{name}.reads"), &format!("\"{reads}\""))?;
     }
+    // A force of energies is the key of its entry: another one adds what changes.
+    let more = parts.forces.iter().filter_map(|(force, along)| {
+        let now = changed(force);
+        (now != *force).then(|| (format!("{now} - ({force})"), along.clone()))
+    });
+    let more: Vec<(String, String)> = more.collect();
+    for (force, along) in &more {
+        text.set(&format!("energy.forces.\"{force}\""), &format!("\"{along}\""))?;
+    }
+    parts.forces.extend(more);
     Ok(())
 }
 
@@ -248,6 +276,9 @@ fn replacements(applied: &Applied) -> Vec<(String, String)> {
         with.extend(of(LawRole::Displacement, displacement.as_ref()));
         with.extend(of(LawRole::Velocity, Some(velocity)));
     }
+    if let Site::Input(_) = applied.effect.place.site {
+        with.push((INPUT.to_owned(), applied.effect.place.at.clone()));
+    }
     let pressed_by = law.role(LawRole::Load).zip(applied.effect.pressed_by.as_ref());
     with.extend(pressed_by.map(|(name, text)| (name.to_owned(), format!("({text})"))));
     with.extend(law.parameters.iter().zip(&applied.names).map(|((p, _), name)| (p.clone(), name.clone())));
@@ -270,6 +301,9 @@ fn force_text(applied: &Applied) -> Option<String> {
 pub(crate) fn expression(applied: &Applied) -> String {
     let effect = &applied.effect;
     let (at, name) = (&effect.place.at, applied.names.first().map_or("", String::as_str));
+    if let Site::Constant { stated } = effect.place.site {
+        return format!("{at} is not {stated:?}");
+    }
     if effect.is_input_delay() {
         // The law's own number: the constant of the spec, the delay of the record, is its negative.
         return format!("{at}(t - {})", effect.labels().first().map_or("", String::as_str));
@@ -277,6 +311,9 @@ pub(crate) fn expression(applied: &Applied) -> String {
     match effect.entry.law.property() {
         Some("offset") => return format!("{at} + {name}"),
         Some("gain") => return format!("{name}*{at}"),
+        Some(acts) if effect.entry.law.acting().is_some() => {
+            return rename(acts, &replacements(applied)).unwrap_or_default();
+        }
         Some(_) => return format!("{at}(t - {name})"),
         None => {}
     }

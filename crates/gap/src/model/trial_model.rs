@@ -1,13 +1,14 @@
 //! The model of a spec with effects added to its graph, and the records as that system sees them.
 
-use crate::place::{Effect, EffectError, Place, Site, places};
-use phisindy_phys::spec::{ConstantSpec, DataSpec, Role, Spec};
+use crate::place::{Effect, EffectError, Place, Site, bindings, places};
+use phisindy_phys::spec::{ConstantSpec, DataSpec, Movable, Number, Role, Spec};
 use phisindy_phys::unit::Unit;
 use phisindy_phys::{
     Case, Contact, Record, RecordPlan, Sensor, SensorParameter, SourceId, System, check_names, takes_units,
 };
 use phisindy_sim::Stop;
 use rayon::prelude::*;
+use std::collections::HashMap;
 use std::sync::Arc;
 
 /// An effect that was added to a model.
@@ -128,6 +129,9 @@ impl TrialModel {
     /// # Errors
     /// The law uses a name that the model does not have.
     pub fn with(&self, effect: &Effect) -> Result<TrialModel, EffectError> {
+        if let Site::Constant { .. } = effect.place.site {
+            return self.with_constant(effect);
+        }
         // The effect may come from a variant of this model, whose nodes differ.
         let here = self.places().iter().find(|p| p.is(&effect.place)).unwrap_or(&effect.place);
         let effect = &Effect { place: here.clone(), ..effect.clone() };
@@ -152,14 +156,13 @@ impl TrialModel {
                 let columns = columns.iter().filter_map(|name| out.system.column(name)).collect();
                 out.set_sensor_parameter(&applied, columns)?;
             }
-            Site::Input(inputs) => out.set_input_property(&applied, inputs)?,
+            Site::Input(inputs) => {
+                applied.internal = out.add_internal_states(effect, &mut taken);
+                out.set_input_property(&applied, inputs)?;
+            }
+            Site::Constant { .. } => {}
             Site::Force { acts, shows, velocity, .. } => {
-                for (name, inner) in &law.internal {
-                    let name = free(name, at, &mut taken);
-                    let unit = effect.unit(&inner.unit, &out.system);
-                    out.add_internal_state(&name, &unit);
-                    applied.internal.push(name);
-                }
+                applied.internal = out.add_internal_states(effect, &mut taken);
                 let system = &mut out.system;
                 let numbers: Vec<_> = applied.parameters.iter().map(|&k| system.parameters[k].node).collect();
                 let first = system.states.len() - applied.internal.len();
@@ -201,6 +204,59 @@ impl TrialModel {
         Ok(out)
     }
 
+    /// This model with a constant of the spec that is to be found: all effects are added anew to what the changed
+    /// spec says.
+    fn with_constant(&self, effect: &Effect) -> Result<TrialModel, EffectError> {
+        let at = || EffectError::UnknownName { law: effect.entry.id.clone(), name: effect.place.at.clone() };
+        let base = self.without_effects();
+        let effects = self.effects.iter().map(|a| &a.effect).chain([effect]);
+        let (of_spec, others): (Vec<&Effect>, Vec<&Effect>) =
+            effects.partition(|e| matches!(e.place.site, Site::Constant { .. }));
+        let mut spec = base.given.spec.clone();
+        for e in &of_spec {
+            let (_, own) =
+                spec.constants.iter_mut().find(|(name, _)| name.value == e.place.at).ok_or_else(at)?;
+            let ConstantSpec::Number { value, unit } = own.clone() else { return Err(at()) };
+            let factor = unit.as_ref().and_then(|u| Unit::parse(&u.value).ok()).map_or(1.0, |u| u.factor);
+            let bound = |x: f64| Number { value: x / factor, ..value.clone() };
+            let (low, high) = e.entry.law.parameters[0].1.within;
+            let (within, span) = ((bound(low), bound(high)), value.span);
+            let movable = Movable { value, unit, within, sigma: None, each: false, span };
+            *own = ConstantSpec::Movable(movable);
+        }
+        let mut out = base.variant(spec).ok_or_else(at)?;
+        let starts = self.system.parameters.iter().map(|p| (p.name.clone(), p.start));
+        let starts: Vec<(String, f64)> = starts.chain(effect.beside.iter().cloned()).collect();
+        for e in others {
+            out = out.with(e)?;
+        }
+        let own = of_spec.iter().map(|e| (e.place.at.clone(), e.start[0]));
+        out = out.starting_at(
+            &own.chain(starts).chain([(effect.place.at.clone(), effect.start[0])]).collect::<Vec<_>>(),
+        );
+        for e in of_spec {
+            let parameters = (0..out.system.parameters.len())
+                .filter(|&k| out.system.parameters[k].name == e.place.at)
+                .collect();
+            let names = vec![e.place.at.clone()];
+            out.effects.push(Applied { effect: e.clone(), names, parameters, internal: vec![], force: None });
+        }
+        out.base = Some(Arc::new(base));
+        Ok(out)
+    }
+
+    /// Adds the internal states of a law, and returns their names.
+    fn add_internal_states(&mut self, effect: &Effect, taken: &mut Vec<String>) -> Vec<String> {
+        let mut names = Vec::new();
+        for (name, inner) in &effect.entry.law.internal {
+            let name = free(name, &effect.place.at, taken);
+            let unit = effect.unit(&inner.unit, &self.system);
+            self.add_internal_state(&name, &unit);
+            names.push(name);
+        }
+        names
+    }
+
     /// Adds an internal state of a law, which starts at zero in every record.
     fn add_internal_state(&mut self, name: &str, unit: &str) {
         let n = self.system.add_state(name, unit);
@@ -216,7 +272,7 @@ impl TrialModel {
         }
     }
 
-    /// Makes the effect's parameter the factor of these inputs, or the delay of their sensors.
+    /// Lets what the effect says act in the place of these inputs, or makes its parameter the delay of their sensors.
     fn set_input_property(&mut self, applied: &Applied, inputs: &[usize]) -> Result<(), EffectError> {
         if applied.effect.is_input_delay() {
             let first = self.system.columns();
@@ -225,14 +281,35 @@ impl TrialModel {
             let columns = inputs.iter().filter(|j| own(j)).map(|j| first + j).collect();
             return self.set_sensor_parameter(applied, columns);
         }
-        let system = &mut self.system;
-        let gain = system.parameters[applied.parameters[0]].node;
-        let nodes: Vec<_> = inputs.iter().map(|&j| system.inputs[j].node).collect();
-        let with = nodes.into_iter().map(|u| (u, system.graph.mul(gain, u))).collect();
-        system.known = system.graph.replace(&system.known, &with);
+        let (effect, system) = (&applied.effect, &mut self.system);
+        let (law, id) = (&effect.entry.law, &effect.entry.id);
+        let of = law.nodes();
+        let (u, acts) = of.acting.ok_or_else(|| EffectError::NoForce(id.clone()))?;
+        let first = system.states.len() - applied.internal.len();
+        let mut nodes = bindings(effect, system)?;
+        let numbers = applied.parameters.iter().map(|&k| system.parameters[k].node);
+        nodes.extend(of.parameters.iter().copied().zip(numbers));
+        nodes.extend(of.internal.iter().copied().zip(system.states[first..].iter().map(|s| s.node)));
+        let roots: Vec<_> = [acts].into_iter().chain(of.rates.iter().copied()).collect();
+        let mut with = HashMap::new();
+        for &j in inputs {
+            let own = system.inputs[j].node;
+            nodes.insert(u, own);
+            let made = system.graph.graft(&of.graph, &roots, &nodes).map_err(|symbol| {
+                EffectError::UnknownName { law: id.clone(), name: of.names.name(symbol).to_owned() }
+            })?;
+            with.insert(own, made[0]);
+            system.known[first..].copy_from_slice(&made[1..]);
+        }
+        let known = system.graph.replace(&system.known[..first], &with);
+        system.known[..first].copy_from_slice(&known);
         let reads: Vec<_> = system.outputs.iter().map(|o| o.node).collect();
         for (output, node) in system.outputs.iter_mut().zip(system.graph.replace(&reads, &with)) {
             output.node = node;
+        }
+        let memory = self.system.states.len() - first;
+        if memory > 0 {
+            self.drive_memory(memory);
         }
         Ok(())
     }
@@ -269,6 +346,11 @@ impl TrialModel {
     /// As [`TrialModel::with`].
     pub fn with_all(&self, effects: &[Effect]) -> Result<TrialModel, EffectError> {
         effects.iter().try_fold(self.clone(), |model, effect| model.with(effect))
+    }
+
+    /// This model as the one that is believed complete.
+    pub(crate) fn as_base(self) -> TrialModel {
+        TrialModel { effects: vec![], base: None, ..self }
     }
 
     /// This model with none of its effects.

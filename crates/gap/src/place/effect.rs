@@ -68,6 +68,9 @@ pub(crate) fn bindings(effect: &Effect, system: &mut System) -> Result<HashMap<I
         with.extend(of.displacement.zip(displacement.as_ref()).map(|(x, place)| (x, place.node)));
         with.extend(of.velocity.map(|v| (v, velocity.node)));
     }
+    if let (Site::Input(inputs), Some((symbol, _))) = (&effect.place.site, of.acting) {
+        with.insert(symbol, system.inputs[inputs[0]].node);
+    }
     if let (Some(symbol), Some(text)) = (of.load, &effect.pressed_by) {
         let node = lowered(system, text)
             .ok_or_else(|| EffectError::UnknownName { law: effect.entry.id.clone(), name: text.clone() })?;
@@ -257,7 +260,12 @@ pub(crate) fn fits(law: &Law, place: &Place) -> bool {
             Some(_) => true,
             None => false,
         },
-        Site::Input(_) => law.input.is_some(),
+        // What acts for the rate of an input too is its factor or its delay.
+        Site::Input(inputs) => match law.acting() {
+            Some(_) => inputs.len() == 1 || law.is_input_gain(),
+            None => law.input.is_some(),
+        },
+        Site::Constant { .. } => false,
         Site::Force { displacement, .. } => {
             // A force that uses no quantity of the place is the same on the body as between body and base.
             let told_apart = !(law.roles.is_empty() && place.is_on_base());

@@ -151,14 +151,14 @@ impl Ranges {
 }
 
 /// Numbers in a constant ratio from the first to the last.
-fn geometric(first: f64, last: f64, count: usize) -> Vec<f64> {
+pub(super) fn geometric(first: f64, last: f64, count: usize) -> Vec<f64> {
     let steps = count.max(2) - 1;
     (0..=steps).map(|k| first * (last / first).powf(k as f64 / steps as f64)).collect()
 }
 
 /// Numbers between bounds: in a constant ratio where both are positive, else in equal steps. Far bounds say
 /// nothing.
-fn between((low, high): (f64, f64), count: usize) -> Vec<f64> {
+pub(super) fn between((low, high): (f64, f64), count: usize) -> Vec<f64> {
     if low == high {
         return vec![low];
     }

@@ -4,10 +4,12 @@ use super::regression_data::RegressionData;
 use crate::evaluate::{carried, evaluated};
 use crate::memory::internal_states;
 
-use super::grid::grids;
+use super::grid::{between, geometric, grids};
 use super::regressors::{Axis, Regressors};
+use crate::decisions::{GRID_AXIS, GRID_GAPS, GRID_VALUES};
 use crate::motion::Motion;
-use crate::place::{Effect, Nodes, Place, Site, entered};
+use crate::place::{Effect, Nodes, Place, Site, bindings, entered};
+use crate::whiteness::mean_step;
 use phisindy_expr::{Id, Tape};
 use phisindy_phys::System;
 
@@ -30,30 +32,59 @@ pub(super) fn sensor_trials(effect: &Effect, columns: &[usize], data: &[Regressi
     vec![Trial { effect: effect.clone(), grid: vec![], columns: vec![column] }]
 }
 
-/// Gain or delay of inputs: what a small change of it does to the rates and to the outputs. The number of a
-/// delay is that of the record, so that a positive one acts early.
+/// What acts in the place of inputs: what its change does to the rates and to the outputs. A gain and a delay change a
+/// little, any other law as its numbers on a grid say. The number of a delay is that of the record, so that a positive
+/// one acts early.
 pub(super) fn input_trials(
     effect: &Effect,
     inputs: &[usize],
     system: &System,
     data: &[RegressionData],
 ) -> Vec<Trial> {
-    let (n, m) = (system.states.len(), system.inputs.len());
-    let nodes: Vec<Id> = inputs.iter().map(|&j| system.inputs[j].node).collect();
-    let roots: Vec<Id> = system.known.iter().copied().chain(system.outputs.iter().map(|o| o.node)).collect();
-    let mut graph = system.graph.clone();
-    let slopes: Vec<Id> = roots.iter().flat_map(|&root| graph.gradient(root, &nodes)).collect();
-    let Ok(tape) = Tape::compile(&graph, &system.arguments(), &slopes) else { return vec![] };
+    let law = &effect.entry.law;
+    if law.acting().is_some() && law.neutral_input().is_none() {
+        return acting_trials(effect, inputs[0], system, data).unwrap_or_default();
+    }
+    let Some(slopes) = InputSlopes::new(inputs, system) else { return vec![] };
+    let m = system.inputs.len();
     let late = effect.is_input_delay();
+    // A factor changes the input by itself, an offset by one.
+    let all = law.neutral_input().is_some_and(|neutral| neutral == 0.0);
     let mut column = Vec::new();
     for data in data {
-        let motion = &data.motion;
-        let values = evaluated(&tape, motion, &[], &[]);
-        let moved = if late { &motion.slopes } else { &motion.inputs };
+        let moved = if late { &data.motion.slopes } else { &data.motion.inputs };
+        let moved = |i: usize, j: usize| if all { 1.0 } else { moved[i * m + j] };
+        column.extend(slopes.response(data, &moved));
+    }
+    vec![Trial { effect: effect.clone(), grid: vec![], columns: vec![column] }]
+}
+
+/// How rates and outputs change with inputs.
+struct InputSlopes<'a> {
+    inputs: &'a [usize],
+    states: usize,
+    tape: Tape,
+}
+
+impl<'a> InputSlopes<'a> {
+    fn new(inputs: &'a [usize], system: &System) -> Option<InputSlopes<'a>> {
+        let nodes: Vec<Id> = inputs.iter().map(|&j| system.inputs[j].node).collect();
+        let roots = system.known.iter().copied().chain(system.outputs.iter().map(|o| o.node));
+        let roots: Vec<Id> = roots.collect();
+        let mut graph = system.graph.clone();
+        let slopes: Vec<Id> = roots.iter().flat_map(|&root| graph.gradient(root, &nodes)).collect();
+        let tape = Tape::compile(&graph, &system.arguments(), &slopes).ok()?;
+        Some(InputSlopes { inputs, states: system.states.len(), tape })
+    }
+
+    /// The response of a record to a change of its inputs, by sample and input.
+    fn response(&self, data: &RegressionData, moved: &dyn Fn(usize, usize) -> f64) -> Vec<f64> {
+        let (n, motion) = (self.states, &data.motion);
+        let values = evaluated(&self.tape, motion, &[], &[]);
         let change = |root: usize| -> Vec<f64> {
             let of = |i: usize| {
-                let part = |(k, &j): (usize, &usize)| values[root * inputs.len() + k][i] * moved[i * m + j];
-                inputs.iter().enumerate().map(part).sum::<f64>()
+                let part = |(k, &j): (usize, &usize)| values[root * self.inputs.len() + k][i] * moved(i, j);
+                self.inputs.iter().enumerate().map(part).sum::<f64>()
             };
             (0..motion.samples()).map(of).collect()
         };
@@ -66,11 +97,76 @@ pub(super) fn input_trials(
         }
         data.zero_at_rest(&mut g);
         let mut rows = data.response(&g, &vec![0.0; n]);
-        let shown: Vec<Vec<f64>> = (n..roots.len()).map(change).collect();
+        let roots = self.tape.outputs() / self.inputs.len();
+        let shown: Vec<Vec<f64>> = (n..roots).map(change).collect();
         data.add_to_outputs(&mut rows, &|output| shown.get(output).map(Vec::as_slice));
-        column.extend(rows);
+        rows
     }
-    vec![Trial { effect: effect.clone(), grid: vec![], columns: vec![column] }]
+}
+
+/// What acts in the place of one input, over a grid of the law's numbers: sizes of the input, times of the record.
+fn acting_trials(
+    effect: &Effect,
+    input: usize,
+    system: &System,
+    data: &[RegressionData],
+) -> Option<Vec<Trial>> {
+    let (law, mut system) = (&effect.entry.law, system.clone());
+    let of = law.nodes();
+    let (_, acts) = of.acting?;
+    let mut with = bindings(effect, &mut system).ok()?;
+    let own: Vec<Id> = of.parameters.iter().chain(&of.internal).copied().collect();
+    let mut symbols = Vec::new();
+    for (k, &symbol) in own.iter().enumerate() {
+        // The space in the name avoids collisions with names of a spec.
+        let name = system.names.intern(&format!("acting {k}"));
+        symbols.push(system.graph.symbol(name));
+        with.insert(symbol, symbols[k]);
+    }
+    let roots: Vec<Id> = [acts].into_iter().chain(of.rates.iter().copied()).collect();
+    let made = system.graph.graft(&of.graph, &roots, &with).ok()?;
+    let change = system.graph.sub(made[0], system.inputs[input].node);
+    let mut arguments = system.arguments();
+    arguments.extend(&symbols);
+    let internal = &symbols[law.parameters.len()..];
+    let mut rates: Vec<Id> = made[1..].to_vec();
+    rates.extend(made[1..].iter().zip(internal).map(|(&rate, &z)| system.graph.gradient(rate, &[z])[0]));
+    let inner = if rates.is_empty() { None } else { Tape::compile(&system.graph, &arguments, &rates).ok() };
+    let tape = Tape::compile(&system.graph, &arguments, &[change]).ok()?;
+    let m = system.inputs.len();
+    let mut sizes: Vec<f64> = data
+        .iter()
+        .flat_map(|data| (0..data.motion.samples()).map(move |i| data.motion.inputs[i * m + input].abs()))
+        .collect();
+    sizes.sort_unstable_by(f64::total_cmp);
+    let largest = *sizes.last()?;
+    let time = &data.first()?.motion.time;
+    let (step, span) = (mean_step(time), time.last()? - time.first()?);
+    let mut grids: Vec<Vec<f64>> = vec![vec![]];
+    for (_, parameter) in &law.parameters {
+        let values: Vec<f64> = match parameter.unit.as_str() {
+            "N" => GRID_GAPS.iter().map(|part| part * largest).collect(),
+            "s" => geometric(step, 0.1 * span, GRID_AXIS),
+            _ => between(parameter.within, GRID_AXIS),
+        };
+        grids = grids.iter().flat_map(|g| values.iter().map(|v| [g.as_slice(), &[*v]].concat())).collect();
+        grids.truncate(GRID_VALUES);
+    }
+    let inputs = [input];
+    let slopes = InputSlopes::new(&inputs, &system)?;
+    let trial = |grid: Vec<f64>| {
+        let mut column = Vec::new();
+        for data in data {
+            let memory = inner.as_ref().map(|tape| {
+                driven_by(tape, internal.len(), &data.motion, std::slice::from_ref(&grid)).swap_remove(0)
+            });
+            let series: Vec<&[f64]> = memory.iter().flatten().map(Vec::as_slice).collect();
+            let moved = evaluated(&tape, &data.motion, &grid, &series).swap_remove(0);
+            column.extend(slopes.response(data, &|i, _| moved[i]));
+        }
+        Trial { effect: effect.clone(), grid, columns: vec![column] }
+    };
+    Some(grids.into_iter().map(trial).collect())
 }
 
 /// A force law at a place, to be tried on the motion of some records.

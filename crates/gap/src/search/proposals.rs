@@ -208,7 +208,7 @@ pub(crate) fn family<'a>(catalogue: &'a [LawEntry], of: &'a LawEntry) -> impl It
 fn touches(a: &Effect, b: &Effect) -> bool {
     let acts = |e: &Effect| match &e.place.site {
         Site::Force { acts, .. } => acts.iter().map(|(state, _)| *state).collect(),
-        Site::Sensor(_) | Site::Input(_) => vec![],
+        _ => vec![],
     };
     acts(a).iter().any(|state| acts(b).contains(state))
 }
@@ -260,6 +260,9 @@ pub(crate) fn neutral(effect: &Effect) -> Effect {
         if is_force(&p.unit) { (NEUTRAL * v).clamp(p.within.0, p.within.1) } else { *v }
     };
     let start = match law.property() {
+        Some(_) if law.acting().is_some() => {
+            law.neutral_input().map_or_else(|| effect.start.clone(), |v| vec![v])
+        }
         Some("gain") => vec![1.0],
         Some(_) => vec![0.0],
         None => effect.start.iter().zip(&law.parameters).map(small).collect(),

@@ -101,7 +101,7 @@ impl Search<'_> {
                     let Some(j) = j.filter(|_| effects[k].entry.id == entry.law.same_as[0]) else { continue };
                     let bodies = |e: &Effect| match &e.place.site {
                         Site::Force { acts, .. } => acts.iter().map(|a| a.0).collect(),
-                        Site::Sensor(_) | Site::Input(_) => vec![usize::MAX],
+                        _ => vec![usize::MAX],
                     };
                     if bodies(&effects[k]) != bodies(&effects[j]) {
                         continue;

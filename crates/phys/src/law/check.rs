@@ -1,8 +1,8 @@
 //! What is wrong with the text of a law, with the places in it. The law itself is read by
 //! [`super::Law::read`].
 
-use super::Law;
 use super::graph::LawError;
+use super::{INPUT, Law};
 use crate::system::check::declared_names;
 use crate::text::diagnostic::{Diagnostic, SourceId};
 use crate::text::raw::{self, Node};
@@ -138,7 +138,7 @@ impl Reader<'_> {
             let text = self.optional(&fields, field, Self::words);
             out.forces.extend(text.map(|text| (field, text)));
         }
-        self.kind(node, &fields, &out);
+        self.kind(node, &fields, &mut out);
         if let Some(need) = fields.get("needs") {
             let inner = self.fields(need, "`needs`", &["positive", "because"])?;
             let positive = self.required(&inner, "positive", Self::words);
@@ -228,7 +228,7 @@ impl Reader<'_> {
     }
 
     /// A law is one of force, push, property of a sensor, property of an input.
-    fn kind(&mut self, node: &Node, fields: &Fields<'_, '_>, out: &Written) {
+    fn kind(&mut self, node: &Node, fields: &Fields<'_, '_>, out: &mut Written) {
         let given: Vec<&str> =
             ["force", "push", "sensor", "input"].into_iter().filter(|f| fields.get(f).is_some()).collect();
         if given.len() != 1 {
@@ -246,8 +246,22 @@ impl Reader<'_> {
         {
             let Some(text) = fields.get(field).and_then(|n| self.words(n)) else { continue };
             if !allowed.contains(&text.value.as_str()) {
+                let own = |name: &str| name == INPUT || out.internal.iter().any(|(z, ..)| z.value == name);
+                let acts = || parse(&text.value).is_ok_and(|ast| ast.names().any(|(name, _)| own(name)));
+                if field == "input" && acts() {
+                    let unit = |value: &str| Text { value: value.to_owned(), span: text.span };
+                    // An input is measured as a force is.
+                    out.roles.push((unit(INPUT), unit("N")));
+                    out.forces.push(("input", text));
+                    continue;
+                }
                 let message = format!("no such property: `{}`", text.value);
-                let help = format!("the properties of `{field}` are: {}", allowed.join(", "));
+                let more = if field == "input" {
+                    ", or what acts in the place of `u`, like \"dead(u, d)\""
+                } else {
+                    ""
+                };
+                let help = format!("the properties of `{field}` are: {}{more}", allowed.join(", "));
                 self.wrong::<()>(text.span, message, "", &help);
             }
             if out.parameters.len() != 1 {

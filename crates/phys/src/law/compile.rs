@@ -1,7 +1,7 @@
 //! Reads a law: its text, and its expressions as nodes.
 
 use super::graph::{LawError, LawGraph, LawScreen};
-use super::{Law, Role, Screen};
+use super::{INPUT, Law, Role, Screen};
 use phisindy_expr::{Id, Names, Symbol, parse};
 use std::collections::HashMap;
 
@@ -12,7 +12,7 @@ impl Law {
     /// The form (with line and column), bounds between which there is no number, an expression that cannot be
     /// parsed, a name that stands for nothing, a parameter without a seed.
     pub fn read(text: &str) -> Result<Law, LawError> {
-        let law: Law = ron::Options::default()
+        let mut law: Law = ron::Options::default()
             .with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME)
             .from_str(text)
             .map_err(|e| LawError::Form(e.to_string()))?;
@@ -23,6 +23,10 @@ impl Law {
                     "`{name}`: there is no number within ({low:?}, {high:?})"
                 )));
             }
+        }
+        // The short form of `gain*u`.
+        if let (Some("gain"), Some((gain, _))) = (law.input.as_deref(), law.parameters.first()) {
+            law.input = Some(format!("{gain}*{INPUT}"));
         }
         Ok(Law { compiled: compiled(&law)?, ..law })
     }
@@ -41,6 +45,7 @@ fn compiled(law: &Law) -> Result<LawGraph, LawError> {
         let number = compiler.of.graph.constant(*value);
         compiler.given.insert(symbol, number);
     }
+    let input = law.acting().map(|_| compiler.symbol(INPUT));
     // What is known by now belongs to the law; any other name of a force is one of the model.
     let own = Own(compiler.of.names.clone());
     compiler.of.displacement = displacement;
@@ -57,6 +62,9 @@ fn compiled(law: &Law) -> Result<LawGraph, LawError> {
     } else if let Some(text) = &law.push {
         let push = compiler.open("push", text, &own)?;
         compiler.of.force = Some(compiler.of.graph.neg(push));
+    }
+    if let (Some(input), Some(text)) = (input, law.acting()) {
+        compiler.of.acting = Some((input, compiler.open("input", text, &own)?));
     }
     if let Some(text) = &law.mirror {
         compiler.of.mirror = Some(compiler.open("mirror", text, &own)?);

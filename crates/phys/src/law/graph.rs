@@ -38,6 +38,8 @@ pub struct LawGraph {
     pub force: Option<Id>,
     /// The same of the mirror image.
     pub mirror: Option<Id>,
+    /// The recorded input, and what acts in its place.
+    pub acting: Option<(Id, Id)>,
     /// What may not be negative: an expression of the parameters.
     pub requirement: Option<Id>,
     /// How `gap` screens it.
@@ -119,6 +121,7 @@ impl Default for LawGraph {
             rates: vec![],
             force: None,
             mirror: None,
+            acting: None,
             requirement: None,
             screen: None,
             outside: vec![],

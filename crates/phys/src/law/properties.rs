@@ -105,6 +105,40 @@ impl Law {
         !graph.uses(&[slope], &[x, of.time])
     }
 
+    /// The value of its one parameter at which what acts is the recorded input itself, if that parameter stands
+    /// linearly there: the 1 of a gain, the 0 of an offset. `None` for any other law.
+    pub fn neutral_input(&self) -> Option<f64> {
+        let of = &self.compiled;
+        let ((u, acts), [parameter], false) = (of.acting?, &of.parameters[..], self.has_memory()) else {
+            return None;
+        };
+        let mut graph = of.graph.clone();
+        let slope = graph.gradient(acts, &[*parameter])[0];
+        if graph.uses(&[slope], &[*parameter]) {
+            return None;
+        }
+        // u = p*slope + rest, at an input of 1.
+        let (one, zero) = (graph.constant(1.0), graph.constant(0.0));
+        let at = HashMap::from([(u, one), (*parameter, zero)]);
+        let values = graph.replace(&[slope, acts], &at);
+        Some((1.0 - graph.value(values[1])?) / graph.value(values[0])?)
+    }
+
+    /// Whether it is a factor of an input.
+    pub fn is_input_gain(&self) -> bool {
+        self.neutral_input() == Some(1.0)
+    }
+
+    /// Whether it is a force of the motion that is not in proportion to it, without memory: a curve.
+    pub fn is_curve(&self) -> bool {
+        let of = &self.compiled;
+        let motion: Vec<Id> = of.displacement.into_iter().chain(of.velocity).collect();
+        let (Some(force), false) = (of.force, self.has_memory()) else { return false };
+        let mut graph = of.graph.clone();
+        let slopes = graph.gradient(force, &motion);
+        self.sticks() || graph.uses(&slopes, &motion)
+    }
+
     /// The parameters in which the force is linear, jointly: no slope by one of them depends on another of
     /// them.
     pub fn linear_parameters(&self) -> Vec<usize> {

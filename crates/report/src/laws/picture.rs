@@ -3,8 +3,8 @@
 
 use crate::chart::{Axis, Chart, Mark, Panel, Place};
 use crate::format::capital;
-use phisindy_expr::{Graph, Id, Names, Scratch, Tape, parse};
-use phisindy_phys::{LawEntry, LawRole, Sketch};
+use phisindy_expr::{Graph, Id, Names, Scratch, Tape, parse, rename};
+use phisindy_phys::{INPUT, LawEntry, LawRole, Sketch};
 
 /// Points of the curve, over two periods of the motion.
 const POINTS: usize = 1600;
@@ -59,8 +59,11 @@ fn curve(entry: &LawEntry, sketch: &Sketch) -> Result<Vec<(f64, f64)>, String> {
         let given = law.given.iter().find(|(n, _)| n == name).map(|(_, (value, _))| *value).or(load);
         given.or_else(|| sketch.with.iter().find(|(n, _)| n == name).map(|(_, value)| *value))
     };
-    // A sensor law is shown as its reading of the displacement.
+    // A sensor law is shown as its reading of the displacement, and what acts as if that were the input.
+    let of_input = |text: &str| rename(text, &[(INPUT.to_owned(), "x".to_owned())]).unwrap_or_default();
+    let acts = law.acting().map(of_input);
     let force = match law.property() {
+        Some(_) if acts.is_some() => acts.as_deref().unwrap_or_default(),
         Some("gain") => "gain*x",
         Some("offset") => "x + offset",
         Some(_) => "sin(t - tau)",
@@ -84,7 +87,8 @@ fn curve(entry: &LawEntry, sketch: &Sketch) -> Result<Vec<(f64, f64)>, String> {
     };
     let mut outputs = vec![lower(force, &mut graph)?];
     for (_, internal) in &law.internal {
-        outputs.push(lower(&internal.rate, &mut graph)?);
+        let rate = if acts.is_some() { of_input(&internal.rate) } else { internal.rate.clone() };
+        outputs.push(lower(&rate, &mut graph)?);
     }
     let inputs: Vec<Id> = motion.iter().chain(&own).copied().collect();
     let tape = Tape::compile(&graph, &inputs, &outputs)

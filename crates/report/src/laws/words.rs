@@ -87,7 +87,9 @@ fn acts(law: &Law) -> Vec<Line> {
     lines.extend(law.force.iter().map(|f| Line::new("force against the motion", f)));
     lines.extend(law.push.iter().map(|f| Line::new("push", f)));
     lines.extend(law.sensor.iter().map(|s| Line::new("property of a sensor", s)));
-    lines.extend(law.input.iter().map(|s| Line::new("property of an input", s)));
+    let input =
+        if law.acting().is_some() { "acts in the place of the input u" } else { "property of an input" };
+    lines.extend(law.input.iter().map(|s| Line::new(input, s)));
     lines.extend(law.internal.iter().map(|(name, i)| Line {
         what: format!("with d{name}/dt = {} ({}, from {})", i.rate, i.unit, i.start),
         code: None,
