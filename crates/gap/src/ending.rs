@@ -342,7 +342,10 @@ impl<'s, 'a> Ending<'s, 'a> {
         // A law that the final model contains is no rival.
         let other = |r: &&Rival| !r.laws.iter().all(|law| own.contains(law));
         let rivals: Vec<Rival> = round.map_or(vec![], |r| r.rivals.iter().filter(other).cloned().collect());
-        let against: f64 = rivals.iter().map(|r| (-0.5 * r.delta_bic).exp()).sum();
+        // A rival that holds the law too says nothing against it.
+        let law = &own[k];
+        let without = rivals.iter().filter(|r| !r.laws.contains(law));
+        let against: f64 = without.map(|r| (-0.5 * r.delta_bic).exp()).sum();
         let discovered = applied.effect.entry.id == DISCOVERED;
         let numbers = values(&self.last, &applied.names, &applied.effect.start);
         Step {

@@ -29,7 +29,15 @@ pub(crate) fn internal_states<const N: usize>(
         scratch.run();
         at.iter_mut().enumerate().for_each(|(j, at)| *at = (*scratch.output(j), *scratch.output(count + j)));
         let h = time[i + 1] - time[i];
-        for (j, (rate, slope)) in at.iter().enumerate() {
+        for j in 0..count {
+            // A state that another one drives goes with where that one has come to: a body on a spring keeps its energy
+            // then (symplectic Euler: Hairer, Lubich, Wanner 2006, doi 10.1007/3-540-30666-8).
+            if j > 0 {
+                *scratch.input(first + j - 1) = end[j - 1];
+                scratch.run();
+                at[j] = (*scratch.output(j), *scratch.output(count + j));
+            }
+            let (rate, slope) = &at[j];
             let next = std::array::from_fn(|lane| {
                 let decay = slope[lane] * h;
                 let factor = if decay.abs() < 1e-8 { h } else { decay.exp_m1() / slope[lane] };

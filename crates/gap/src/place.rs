@@ -119,8 +119,8 @@ impl Place {
             (false, true) => parts.extend([("m", force + length), ("s", time - 2.0 * force)]),
             (false, false) => parts.extend([(x_unit, force + length), ("s", time - 2.0 * force)]),
         }
-        if unit == "rad" {
-            return "rad".into();
+        if unit == "rad" || newtons == 0.0 && system.inertia[*state].is_some() && lengths && si_velocity {
+            return unit.to_owned();
         }
         product(&parts)
     }

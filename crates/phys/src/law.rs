@@ -181,6 +181,9 @@ pub struct Internal {
     pub rate: String,
     /// Where it starts.
     pub start: f64,
+    /// Of the speed of a body that the law brings along, its inertia: laws act between it and the place then.
+    #[serde(default)]
+    pub inertia: Option<String>,
 }
 
 impl Law {

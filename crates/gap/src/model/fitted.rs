@@ -60,6 +60,10 @@ impl Fitted {
             predictive: validate,
             whiteness,
             samples: cal.samples,
+            judged: match validate {
+                Some(_) => power(&cal, noise, &of(&cal, Role::Validate)).1,
+                None => cal.samples,
+            },
             effective: cal.effective,
             effects: model.effects.len(),
             parameters: model.size(),

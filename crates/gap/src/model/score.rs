@@ -1,6 +1,8 @@
 //! The score of a fitted model: all numbers that the search and its end decide on.
 
-use crate::decisions::{EARLY_PRICE, EXPLAINED, FAR_OFF, INDEPENDENT, INPUT_PRICE, NOT_WHITE, SENSOR_PRICE};
+use crate::decisions::{
+    CHANCE, EARLY_PRICE, EXPLAINED, FAR_OFF, INDEPENDENT, INPUT_PRICE, NOT_WHITE, SENSOR_PRICE,
+};
 
 /// How well a model follows the records, and what it costs.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,6 +18,8 @@ pub(crate) struct Score {
     pub(crate) whiteness: f64,
     /// Samples of the Fit records.
     pub(crate) samples: usize,
+    /// Samples of the records on which the gap for decisions is measured.
+    pub(crate) judged: usize,
     /// Effective number of independent samples.
     pub(crate) effective: f64,
     /// Number of effects.
@@ -44,7 +48,13 @@ impl Score {
 
     /// Whether the residual is white and the gap is at the noise level, on Validate records too.
     pub(crate) fn explains(&self) -> bool {
-        self.is_white() && self.gap() < EXPLAINED
+        self.is_white() && self.gap() < self.at_noise()
+    }
+
+    /// The largest gap of a model that leaves noise alone: what is no force that matters, or what chance makes of the
+    /// mean square of so few samples.
+    fn at_noise(&self) -> f64 {
+        EXPLAINED.max((1.0 + CHANCE * (2.0 / self.judged.max(1) as f64).sqrt()).sqrt())
     }
 
     /// The criterion, smaller is better: twice the negative log-likelihood plus a price for what was added.
@@ -120,6 +130,7 @@ pub(crate) mod tests {
             predictive: validate,
             whiteness: if fit < 1.05 { 1.0 } else { 50.0 },
             samples: 1000,
+            judged: 1000,
             effective: 1000.0,
             effects,
             parameters: effects,
@@ -127,6 +138,15 @@ pub(crate) mod tests {
             inputs: 0,
             early: 0,
         }
+    }
+
+    #[test]
+    fn a_short_record_may_leave_more_than_noise_by_chance() {
+        let short = |judged: usize, fit: f64| Score { judged, ..score(fit, None, 1) };
+        let white = |s: Score| Score { whiteness: 1.0, ..s };
+        // Three standard deviations of the mean of 200 squares are 0.3 of it.
+        assert!(white(short(200, 1.13)).explains() && !white(short(200, 1.15)).explains());
+        assert!(!white(short(5000, 1.09)).explains() && white(short(5000, 1.07)).explains());
     }
 
     #[test]

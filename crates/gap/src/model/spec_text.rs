@@ -65,6 +65,7 @@ pub(crate) fn text_with(
             .flat_map(|e| &e.forces)
             .map(|(force, along)| (force.value.clone(), along.value.clone()))
             .collect(),
+        inertia: spec.inertia.iter().map(|(name, m)| (name.value.clone(), m.value.clone())).collect(),
     };
     for applied in &model.effects {
         constants(&mut text, model, applied)?;
@@ -89,6 +90,7 @@ struct Parts {
     contacts: Vec<String>,
     /// Forces of energies, each with the speed along which it acts.
     forces: Vec<(String, String)>,
+    inertia: Vec<(String, String)>,
 }
 
 /// The constants with their start values in the model.
@@ -148,7 +150,6 @@ fn acting(
     inputs: &[usize],
     parts: &mut Parts,
 ) -> Result<(), SpecTextError> {
-    internal(text, model, applied)?;
     let acts = applied.effect.entry.law.acting().unwrap_or(INPUT);
     let of = |&j: &usize| {
         let name = model.system.inputs[j].name.clone();
@@ -178,7 +179,8 @@ fn acting(
         text.set(&format!("energy.forces.\"{force}\""), &format!("\"{along}\""))?;
     }
     parts.forces.extend(more);
-    Ok(())
+    // Its own states see the input as it is recorded.
+    internal(text, model, applied, parts)
 }
 
 /// A force in the rates of the bodies on which it acts and in the outputs that show it.
@@ -189,7 +191,7 @@ fn force(
     parts: &mut Parts,
 ) -> Result<(), SpecTextError> {
     let Site::Force { acts, shows, .. } = &applied.effect.place.site else { return Ok(()) };
-    internal(text, model, applied)?;
+    internal(text, model, applied, parts)?;
     let force = force_text(applied).unwrap_or_default();
     let sign = |sign: f64| if sign < 0.0 { '-' } else { '+' };
     let size = |way: f64| if way.abs() == 1.0 { String::new() } else { format!("{:?}*", way.abs()) };
@@ -201,7 +203,7 @@ fn force(
             text.set(&format!("energy.forces.\"{signed}\""), &format!("\"{name}\""))?;
             continue;
         }
-        let inertia = model.given.spec.inertia.iter().find(|(n, _)| n.value == *name).map(|(_, m)| &m.value);
+        let inertia = parts.inertia.iter().find(|(n, _)| n == name).map(|(_, m)| m);
         let over = inertia.map_or(String::new(), |m| format!("/({m})"));
         let Some((_, rate)) = parts.rates.iter_mut().find(|(n, _)| n == name) else { continue };
         *rate = format!("{rate} {} {}({force}){over}", sign(way), size(way));
@@ -232,7 +234,12 @@ fn constants(text: &mut Text, model: &TrialModel, applied: &Applied) -> Result<(
     Ok(())
 }
 
-fn internal(text: &mut Text, model: &TrialModel, applied: &Applied) -> Result<(), SpecTextError> {
+fn internal(
+    text: &mut Text,
+    model: &TrialModel,
+    applied: &Applied,
+    parts: &mut Parts,
+) -> Result<(), SpecTextError> {
     let law = &applied.effect.entry.law;
     let with = replacements(applied);
     for ((_, inner), name) in law.internal.iter().zip(&applied.internal) {
@@ -242,6 +249,12 @@ fn internal(text: &mut Text, model: &TrialModel, applied: &Applied) -> Result<()
     for ((_, inner), name) in law.internal.iter().zip(&applied.internal) {
         let rate = rename(&inner.rate, &with).unwrap_or_else(|_| inner.rate.clone());
         text.set(&format!("known.{name}"), &format!("\"{rate}\""))?;
+        parts.rates.push((name.clone(), rate));
+        if let Some(inertia) = &inner.inertia {
+            let inertia = rename(inertia, &with).unwrap_or_else(|_| inertia.clone());
+            text.set(&format!("inertia.{name}"), &format!("\"{inertia}\""))?;
+            parts.inertia.push((name.clone(), inertia));
+        }
     }
     Ok(())
 }

@@ -1,6 +1,7 @@
 //! The model of a spec with effects added to its graph, and the records as that system sees them.
 
-use crate::place::{Effect, EffectError, Place, Site, bindings, places};
+use crate::place::{Effect, EffectError, Place, Quantity, Site, bindings, places};
+use phisindy_expr::Id;
 use phisindy_phys::spec::{ConstantSpec, DataSpec, Movable, Number, Role, Spec};
 use phisindy_phys::unit::Unit;
 use phisindy_phys::{
@@ -27,7 +28,7 @@ pub struct Applied {
 }
 
 /// What all models of one search share.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Given {
     /// The spec as it was read.
     pub(crate) spec: Spec,
@@ -127,13 +128,15 @@ impl TrialModel {
     /// This model with one more effect.
     ///
     /// # Errors
-    /// The law uses a name that the model does not have.
+    /// The law uses a name, or acts at a place, that the model does not have.
     pub fn with(&self, effect: &Effect) -> Result<TrialModel, EffectError> {
         if let Site::Constant { .. } = effect.place.site {
             return self.with_constant(effect);
         }
         // The effect may come from a variant of this model, whose nodes differ.
-        let here = self.places().iter().find(|p| p.is(&effect.place)).unwrap_or(&effect.place);
+        let here = self.places().iter().find(|p| p.is(&effect.place)).ok_or_else(|| {
+            EffectError::UnknownName { law: effect.entry.id.clone(), name: effect.place.at.clone() }
+        })?;
         let effect = &Effect { place: here.clone(), ..effect.clone() };
         let mut out = self.starting_at(&effect.beside);
         if self.base.is_none() {
@@ -170,6 +173,9 @@ impl TrialModel {
                 let (force, rates) = effect.force(system, &numbers, &own)?;
                 system.known[first..].copy_from_slice(&rates);
                 let memory = rates.len();
+                let bodies = effect.inertias(system, &numbers);
+                let brought: Vec<Place> =
+                    bodies.into_iter().filter_map(|(j, m)| body(system, effect, first, j, m)).collect();
                 for &(state, sign) in acts {
                     let part = system.graph.constant(sign);
                     let signed = system.graph.mul(part, force);
@@ -186,6 +192,9 @@ impl TrialModel {
                 // A force is no rate, so what could be filtered still can.
                 let _ = system.connect_filters();
                 applied.force = Some(force);
+                if !brought.is_empty() {
+                    Arc::make_mut(&mut out.given).places.extend(brought);
+                }
                 if memory > 0 {
                     out.drive_memory(memory);
                 }
@@ -453,6 +462,30 @@ impl TrialModel {
         let inputs = self.system.inputs.iter().map(|u| u.name.clone());
         states.chain(inputs).chain(own(&spec.constants)).chain(of_records).chain(of_effects).collect()
     }
+}
+
+/// The place between where an effect acts and the body that it brought: internal state `j` of it is the body's speed, and
+/// `inertia` its mass.
+fn body(system: &mut System, effect: &Effect, first: usize, j: usize, inertia: Id) -> Option<Place> {
+    let Site::Force { velocity, acts, state, .. } = &effect.place.site else { return None };
+    let own = first + j;
+    system.inertia[own] = Some(inertia);
+    let speed = system.graph.sub(velocity.node, system.states[own].node);
+    let text = |node: usize| system.states[node].name.clone();
+    let spring = (first..system.states.len()).find(|&k| system.known[k] == speed);
+    let displacement = spring.map(|k| Quantity { text: text(k), node: system.states[k].node });
+    let name = format!("{}-{}", velocity.bare(), text(own));
+    Some(Place {
+        at: name.clone(),
+        site: Site::Force {
+            displacement,
+            velocity: Quantity { text: format!("({name})"), node: speed },
+            acts: acts.iter().copied().chain([(own, 1.0)]).collect(),
+            shows: vec![],
+            state: *state,
+            on_base: false,
+        },
+    })
 }
 
 fn slots(sensor: &Sensor) -> [&SensorParameter; 3] {

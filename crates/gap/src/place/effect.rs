@@ -195,6 +195,16 @@ impl Effect {
         Ok((force, nodes[1..].to_vec()))
     }
 
+    /// The inertias of the bodies that the effect brings along, as nodes of the system, each with the internal state that
+    /// is its speed.
+    pub(crate) fn inertias(&self, system: &mut System, parameters: &[Id]) -> Vec<(usize, Id)> {
+        let of = self.entry.law.nodes();
+        let with: HashMap<Id, Id> = of.parameters.iter().copied().zip(parameters.iter().copied()).collect();
+        let all = of.inertias.iter().enumerate().filter_map(|(j, inertia)| Some((j, (*inertia)?)));
+        all.filter_map(|(j, inertia)| Some((j, system.graph.graft(&of.graph, &[inertia], &with).ok()?[0])))
+            .collect()
+    }
+
     /// Converts a unit of the law to the units of the place, without the load.
     pub fn unit(&self, unit: &str, system: &System) -> String {
         self.place.unit(unit, if self.scales(unit) { -1.0 } else { 0.0 }, system)

@@ -49,6 +49,7 @@ pub const BUILT_IN: &[(&str, &str)] = &[
     ("dieterich-ruina", include_str!("../../laws/dieterich-ruina.ron")),
     ("drifting-friction", include_str!("../../laws/drifting-friction.ron")),
     ("geared-stribeck", include_str!("../../laws/geared-stribeck.ron")),
+    ("hanging-body", include_str!("../../laws/hanging-body.ron")),
     ("harmonic-force", include_str!("../../laws/harmonic-force.ron")),
     ("input-dead-band", include_str!("../../laws/input-dead-band.ron")),
     ("input-delay", include_str!("../../laws/input-delay.ron")),

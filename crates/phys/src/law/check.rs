@@ -133,7 +133,12 @@ impl Reader<'_> {
         out.parameters = parameters.into_iter().map(|(name, unit)| Parameter { name, unit }).collect();
         out.given = self.pairs(&fields, "given", Self::given_number);
         let internal = self.pairs(&fields, "internal", Self::internal_state);
-        out.internal = internal.into_iter().map(|(name, (unit, rate))| (name, unit, rate)).collect();
+        let numbers: Vec<String> = out.parameters.iter().map(|p| p.name.value.clone()).collect();
+        for (name, (unit, rate, inertia)) in internal {
+            let what = format!("the inertia of `{}`", name.value);
+            out.closed.extend(inertia.map(|text| (what, text, numbers.clone())));
+            out.internal.push((name, unit, rate));
+        }
         for field in ["force", "push", "mirror"] {
             let text = self.optional(&fields, field, Self::words);
             out.forces.extend(text.map(|text| (field, text)));
@@ -217,14 +222,15 @@ impl Reader<'_> {
         Some(unit)
     }
 
-    fn internal_state(&mut self, node: &Node) -> Option<(Text, Text)> {
-        let fields = self.fields(node, "an internal state", &["unit", "rate", "start"])?;
+    fn internal_state(&mut self, node: &Node) -> Option<(Text, Text, Option<Text>)> {
+        let fields = self.fields(node, "an internal state", &["unit", "rate", "start", "inertia"])?;
         let unit = self.required(&fields, "unit", Self::unit);
         let rate = self.required(&fields, "rate", Self::words);
         self.required(&fields, "start", Self::number);
+        let inertia = self.optional(&fields, "inertia", Self::words);
         let (unit, rate) = (unit?, rate?);
         self.parsed_unit(&unit)?;
-        Some((unit, rate))
+        Some((unit, rate, inertia))
     }
 
     /// A law is one of force, push, property of a sensor, property of an input.

@@ -55,6 +55,11 @@ fn compiled(law: &Law) -> Result<LawGraph, LawError> {
     for (name, inner) in &law.internal {
         let rate = compiler.open(&format!("internal {name}"), &inner.rate, &own)?;
         compiler.of.rates.push(rate);
+        let names: Vec<&str> = law.parameters.iter().map(|(name, _)| name.as_str()).collect();
+        let inertia = inner.inertia.as_ref();
+        let inertia =
+            inertia.map(|text| compiler.closed(&format!("inertia of {name}"), text, &names)).transpose()?;
+        compiler.of.inertias.push(inertia);
     }
     compiler.of.internal = internal;
     if let Some(text) = &law.force {

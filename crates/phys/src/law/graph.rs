@@ -32,8 +32,10 @@ pub struct LawGraph {
     pub parameters: Vec<Id>,
     /// The states of [`Law::internal`](super::Law::internal), in their order, ...
     pub internal: Vec<Id>,
-    /// ... and their rates.
+    /// ... their rates, ...
     pub rates: Vec<Id>,
+    /// ... and the inertias of those that are speeds of bodies.
+    pub inertias: Vec<Option<Id>>,
     /// The force that is subtracted; a push has its sign turned.
     pub force: Option<Id>,
     /// The same of the mirror image.
@@ -119,6 +121,7 @@ impl Default for LawGraph {
             parameters: vec![],
             internal: vec![],
             rates: vec![],
+            inertias: vec![],
             force: None,
             mirror: None,
             acting: None,
