@@ -10,6 +10,7 @@ mod determinism;
 mod export;
 mod faults;
 mod files;
+mod finder;
 mod formula;
 mod gap;
 mod identified;

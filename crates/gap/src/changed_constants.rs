@@ -1,7 +1,7 @@
 //! Whether numbers of the spec changed: a joint that wore, a mass that was exchanged, a screw that came loose. The model
 //! that is believed complete then needs no law, but another number.
 
-use crate::decisions::{CONSTANT_OFF, MOST_CHANGED, SIMPLER, SUBSTANTIAL, WORTH};
+use crate::decisions::{CHANGES_KEPT, CONSTANT_OFF, MOST_CHANGED, SIMPLER, SUBSTANTIAL, WORTH};
 use crate::model::{Fitted, Measure, TrialModel};
 use crate::place::{Effect, Place, Site};
 use phisindy_learn::Effort;
@@ -46,7 +46,7 @@ fn changed(name: &str, stated: f64, unit: &str) -> Option<Effect> {
 
 /// The model in which a few constants of the spec have other values and nothing is added, and those with other
 /// constants that explain the data too. `None` unless it explains the data and says more than `last`. Constants are
-/// freed one after the other, each the one that leaves least.
+/// freed one after the other beside the few choices that leave least.
 pub(crate) fn changed_constants(
     last: &Fitted,
     noise: &[Vec<f64>],
@@ -54,36 +54,50 @@ pub(crate) fn changed_constants(
 ) -> Option<(Fitted, Vec<Fitted>)> {
     let base = last.model.without_effects();
     let all = changeable(&base.given.spec);
-    let mut found: Option<Fitted> = None;
+    let mut least = f64::INFINITY;
+    let mut from = vec![base];
     for _ in 0..MOST_CHANGED {
-        let from = found.as_ref().map_or_else(|| base.clone(), Fitted::settled);
-        let new = |e: &&Effect| !from.effects.iter().any(|a| a.effect.same(e));
-        let models: Vec<TrialModel> = all.iter().filter(new).filter_map(|e| from.with(e).ok()).collect();
+        let mut models: Vec<TrialModel> = Vec::new();
+        for model in &from {
+            for change in all.iter().filter(|e| !model.effects.iter().any(|a| a.effect.same(e))) {
+                let more = model.with(change).ok();
+                models.extend(more.filter(|m| !models.iter().any(|other| changes(other) == changes(m))));
+            }
+        }
         let fits = models.into_par_iter().filter_map(|m| Fitted::new(m, noise, Effort::Plain).ok());
         let mut fits: Vec<Fitted> = fits.collect();
         fits.sort_by(|a, b| a.score.fit.total_cmp(&b.score.fit));
-        if fits.is_empty() {
-            return None;
-        }
-        let best = fits.remove(0);
+        let best = fits.first()?;
         if best.score.explains() {
             fits.retain(|f| f.score.explains());
-            return is_finding(&best, last, candidates).then_some((best, fits));
+            let best = fits.remove(0);
+            return is_finding(&best, all.len(), last, candidates).then_some((best, fits));
         }
-        if found.is_some_and(|before| best.score.fit * SUBSTANTIAL > before.score.fit) {
+        // A choice that helps little is none.
+        if best.score.fit * SUBSTANTIAL > least {
             return None;
         }
-        found = Some(best);
+        least = best.score.fit;
+        fits.truncate(CHANGES_KEPT);
+        from = fits.iter().map(Fitted::settled).collect();
     }
     None
+}
+
+/// The names of the constants that changed, in order.
+fn changes(model: &TrialModel) -> Vec<&str> {
+    let mut all: Vec<&str> = model.effects.iter().map(|a| a.effect.place.at.as_str()).collect();
+    all.sort_unstable();
+    all
 }
 
 /// Whether a model with changed constants that explains the data says more than `last`. In place of as many numbers of
 /// a force that is linear it does not: a missing spring and a stiffness that is too small are the same force. But a curve
 /// that the model holds already is that curve with another number.
-fn is_finding(changed: &Fitted, last: &Fitted, candidates: usize) -> bool {
+fn is_finding(changed: &Fitted, constants: usize, last: &Fitted, candidates: usize) -> bool {
     let by = Measure::of([&changed.score, &last.score], candidates);
-    let worse = by.criterion(&changed.score) - by.criterion(&last.score);
+    // There are as many choices as constants, and as many as laws at places.
+    let worse = by.among(constants).criterion(&changed.score) - by.criterion(&last.score);
     let curve = last.model.effects.iter().any(|a| a.effect.entry.law.is_curve());
     let simpler = changed.model.size() < last.model.size() || curve;
     !last.score.explains() || worse < if simpler { SIMPLER } else { -WORTH }

@@ -281,6 +281,8 @@ decisions! {
     CONSTANT_OFF: f64 = 3.0, "factor", Basis::Judgement("a larger mistake would be seen by hand");
     /// Most constants of the spec that have changed.
     MOST_CHANGED: usize = 3, "constants", Basis::Judgement("with more of them it is another rig");
+    /// Choices of changed constants beside which another one is freed.
+    CHANGES_KEPT: usize = 3, "models", Basis::Judgement("a mass and a stiffness do nearly the same to a resonance");
     /// Models with a free constant that are fitted in full.
     CONSTANTS_FITTED: usize = 6, "models", BLIND;
     /// Constants with which the catalogue is screened again.

@@ -112,6 +112,11 @@ impl Measure {
         Measure { candidates, independent: best.map_or(1.0, Score::independent) }
     }
 
+    /// The same where so many effects were available.
+    pub(crate) fn among(self, candidates: usize) -> Measure {
+        Measure { candidates, ..self }
+    }
+
     /// The criterion of a model; smaller is better.
     pub(crate) fn criterion(self, of: &Score) -> f64 {
         of.criterion(self.candidates, self.independent)

@@ -121,8 +121,29 @@ mod tests {
         assert_eq!(those(Law::has_clearance), ["dead-zone", "one-sided-stop"]);
         assert_eq!(
             those(Law::has_memory),
-            ["backlash", "bouc-wen", "lugre", "maxwell", "maxwell-slip", "presliding"]
+            [
+                "backlash",
+                "bouc-wen",
+                "hanging-body",
+                "input-lag",
+                "lugre",
+                "maxwell",
+                "maxwell-slip",
+                "presliding"
+            ]
         );
+        assert_eq!(those(|law| law.nodes().inertias.iter().any(Option::is_some)), ["hanging-body"]);
+        assert_eq!(
+            those(|law| law.acting().is_some()),
+            ["input-dead-band", "input-gain", "input-lag", "input-saturation"]
+        );
+        assert_eq!(those(Law::is_input_gain), ["input-gain"]);
+        // A curve is no line, no offset, and has no memory.
+        let lines =
+            ["stiffness", "viscous", "offset", "harmonic-force", "maxwell", "input-gain", "sensor-gain"];
+        let curves = those(Law::is_curve);
+        assert!(curves.contains(&"coulomb") && curves.contains(&"cubic-stiffness"), "{curves:?}");
+        assert!(lines.iter().all(|id| !curves.contains(id)), "{curves:?}");
         assert_eq!(
             those(Law::is_hysteretic),
             ["backlash", "bouc-wen", "lugre", "maxwell-slip", "presliding"]
