@@ -1,6 +1,7 @@
 //! Output: folders whose files are written completely or not at all, and standard output.
 
 use anyhow::{Context, Result};
+use phisindy::files::write_whole;
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -37,12 +38,7 @@ impl Folder {
 /// # Errors
 /// It cannot be written.
 pub(crate) fn replace(path: &Path, content: &str) -> Result<()> {
-    let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
-    let temporary = path.with_file_name(format!(".{name}.{}.part", std::process::id()));
-    fs::write(&temporary, content)
-        .and_then(|()| fs::rename(&temporary, path))
-        .inspect_err(|_| drop(fs::remove_file(&temporary)))
-        .with_context(|| format!("cannot write `{}`", path.display()))
+    write_whole(path, content.as_bytes()).with_context(|| format!("cannot write `{}`", path.display()))
 }
 
 /// Copies a folder and all that is in it.

@@ -1,16 +1,17 @@
 //! The working folder: files by plain names, read and written as a whole.
 
 use phisindy::files::open_plain_file;
+use std::ffi::OsStr;
 use std::fs::{self, File};
-use std::hash::{DefaultHasher, Hasher};
+use std::hash::{BuildHasher, DefaultHasher, Hasher, RandomState};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{LazyLock, Mutex, PoisonError};
 use std::time::Duration;
 
 /// Longest name of a file (bytes): systems take 255, and what is written has a longer one until it is whole.
-const LONGEST_NAME: usize = 200;
+pub(crate) const LONGEST_NAME: usize = 200;
 /// Largest spec that is written (bytes): the reader of specs takes no larger one.
 pub(crate) const LARGEST_SPEC: u64 = 1 << 20;
 
@@ -89,7 +90,7 @@ impl Working {
     ) -> Result<(String, String), Unwritten> {
         self.file(name).map_err(Unwritten::Because)?;
         let k = self.next.fetch_add(1, Ordering::Relaxed);
-        let part = self.path.join(format!(".{name}.{}-{k}{PART}", std::process::id()));
+        let part = self.path.join(part_name(name, &k.to_string()));
         let because = |why: io::Error| Unwritten::Because(format!("cannot write `{name}`: {why}"));
         let written = copied(content, &part, most).map_err(because).and_then(|()| {
             // Between the look at what is there and the new name nobody else writes.
@@ -104,8 +105,8 @@ impl Working {
 
     /// Removes what this program has begun to write and no longer can.
     pub(crate) fn remove_own_parts(&self) {
-        let own = format!(".{}-", std::process::id());
-        remove_parts(&self.path, |part| part.file_name().is_some_and(|n| n.to_string_lossy().contains(&own)));
+        let own = |name: &OsStr| name.to_string_lossy().contains(OWN.as_str());
+        remove_parts(&self.path, |part| part.file_name().is_some_and(own));
     }
 
     /// The name for this content.
@@ -154,6 +155,15 @@ pub(crate) enum Unwritten {
 
 /// What names of files end with that are not whole yet.
 const PART: &str = ".part";
+/// What they hold that begins with this process: in two containers with one folder it may have the same number.
+static OWN: LazyLock<String> = LazyLock::new(|| {
+    format!(".{}-{}-", std::process::id(), RandomState::new().build_hasher().finish() as u32)
+});
+
+/// The name of a file or a folder of this process until it is whole.
+pub(crate) fn part_name(name: &str, k: &str) -> String {
+    format!(".{name}{}{k}{PART}", OWN.as_str())
+}
 
 /// Removes what an earlier program, which was ended by force, has left in a folder: nobody takes a day to write
 /// a file.

@@ -1,6 +1,7 @@
 //! Results: a folder for each, which appears as a whole, and what can be taken out of it.
 
-use crate::folder::{Working, clean, ending, plain};
+use crate::folder::{LONGEST_NAME, Working, clean, ending, part_name, plain};
+use phisindy::files::open_plain_file;
 use phisindy_phys::Sources;
 use phisindy_report::Folder;
 use phisindy_report::export::{
@@ -9,7 +10,7 @@ use phisindy_report::export::{
 use serde_json::{Value, json};
 use std::cmp::Reverse;
 use std::fs::{self, File};
-use std::io::Write;
+use std::io::{BufReader, Write};
 use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
@@ -33,7 +34,9 @@ pub(crate) fn keep(folder: &Path, stem: &str, what: &str, files: &Folder) -> Res
     if all.is_symlink() {
         return Err(format!("`{RESULTS}` is a link: results are kept in this folder only"));
     }
-    let part = all.join(format!(".{stem}-{what}.{}.part", std::process::id()));
+    // `STEM-WHAT-K` is a plain name too.
+    let stem = &stem[..stem.floor_char_boundary(LONGEST_NAME - 20)];
+    let part = all.join(part_name(&format!("{stem}-{what}"), "result"));
     let written = || -> std::io::Result<String> {
         clean(&all);
         let _ = fs::remove_dir_all(&part);
@@ -81,7 +84,8 @@ fn dated(path: PathBuf) -> Option<(SystemTime, PathBuf)> {
 
 fn described(time: SystemTime, path: &Path) -> Option<Value> {
     let name = path.file_name()?.to_str().filter(|name| plain(name))?;
-    let result: Value = serde_json::from_str(&fs::read_to_string(path.join(RESULT)).ok()?).ok()?;
+    let result: Value =
+        serde_json::from_reader(BufReader::new(open_plain_file(&path.join(RESULT)).ok()?)).ok()?;
     let ended = result["verdict"].as_str().or(result["status"].as_str()).unwrap_or_default();
     let laws: Vec<&Value> =
         result["steps"].as_array().into_iter().flatten().map(|step| &step["name"]).collect();

@@ -1,6 +1,7 @@
 //! Folders of results: each appears as a whole, and an earlier one is kept beside it.
 
-use super::whole::{folder_of, part_of, remove_parts, sync_folder};
+use super::folders::open_plain_file;
+use super::whole::{folder_of, new_part, remove_parts, sync_folder};
 use phisindy_report::Folder;
 use std::fmt;
 use std::fs::{self, File};
@@ -145,8 +146,7 @@ impl ResultFolder {
             }
         }
         remove_parts(&path);
-        let part = part_of(&path).map_err(cannot)?;
-        fs::create_dir(&part).and_then(|()| fs::remove_dir(&part)).map_err(cannot)?;
+        new_folder(&path).and_then(|(part, _lock)| fs::remove_dir(part)).map_err(cannot)?;
         Ok(ResultFolder { path, spec: own })
     }
 
@@ -160,18 +160,13 @@ impl ResultFolder {
     /// # Errors
     /// The disk is full, or the folder was made impossible to replace; nothing of the earlier result is lost.
     pub fn put(&self, files: &Folder) -> io::Result<Kept> {
-        let part = part_of(&self.path)?;
-        let _ = fs::remove_dir_all(&part);
-        let written = self.written(files, &part).and_then(|_lock| self.placed(files, &part));
+        let (part, _lock) = new_folder(&self.path)?;
+        let written = self.written(files, &part).and_then(|()| self.placed(files, &part));
         written.inspect_err(|_| drop(fs::remove_dir_all(&part)))
     }
 
-    /// Writes everything into `part`, which is locked until the result is dropped.
-    fn written(&self, files: &Folder, part: &Path) -> io::Result<Option<File>> {
-        fs::create_dir(part)?;
-        // Windows opens no folders.
-        let lock = File::open(part).ok();
-        lock.iter().for_each(|folder| drop(folder.try_lock()));
+    /// Writes everything into `part`.
+    fn written(&self, files: &Folder, part: &Path) -> io::Result<()> {
         let write = |name: &Path, content: &[u8]| -> io::Result<()> {
             let path = part.join(name);
             fs::create_dir_all(folder_of(&path))?;
@@ -185,7 +180,7 @@ impl ResultFolder {
         }
         folders(files).for_each(|inner| sync_folder(&part.join(inner)));
         sync_folder(part);
-        Ok(lock)
+        Ok(())
     }
 
     /// Puts what lies in `part` in its place.
@@ -200,7 +195,7 @@ impl ResultFolder {
         }
         let new =
             Worth::of(files.files.iter().find(|(name, _)| name == RESULT).map(|(_, text)| text.as_str()));
-        let old = Worth::of(fs::read_to_string(path.join(RESULT)).ok().as_deref());
+        let old = Worth::of(plain_text(&path.join(RESULT)).ok().as_deref());
         if new < old && new == Worth::Nothing {
             fs::remove_dir_all(part)?;
             return Ok(Kept { at: None, earlier: None });
@@ -226,7 +221,9 @@ impl ResultFolder {
         }
         let worthless = self.is_worthless(&earlier);
         if worthless {
-            fs::rename(&earlier, part).and_then(|()| fs::remove_dir_all(part))?;
+            fs::rename(&earlier, part)?;
+            // Another program may clean up at the same time.
+            let _ = fs::remove_dir_all(part);
         }
         sync_folder(folder_of(path));
         Ok(Kept { at: Some(path.clone()), earlier: (!worthless).then_some(earlier) })
@@ -237,7 +234,7 @@ impl ResultFolder {
         let names: Vec<_> =
             fs::read_dir(folder).into_iter().flatten().flatten().map(|e| e.file_name()).collect();
         let spec = self.spec.as_deref().map(Path::as_os_str);
-        let report = fs::read_to_string(folder.join(REPORT)).is_ok_and(|page| page.contains(GENERATOR));
+        let report = plain_text(&folder.join(REPORT)).is_ok_and(|page| page.contains(GENERATOR));
         names
             .iter()
             .all(|name| Some(name.as_os_str()) == spec || report && (name == REPORT || name == "figures"))
@@ -263,12 +260,22 @@ impl ResultFolder {
     }
 }
 
+/// A new folder beside this path, and its lock. Windows opens no folders.
+fn new_folder(path: &Path) -> io::Result<(PathBuf, Option<File>)> {
+    new_part(path, |part| fs::create_dir(part).map(|()| File::open(part).ok()))
+}
+
 /// The file that tells what a result is worth.
 const RESULT: &str = "result.json";
 /// The file that every folder of this program has.
 const REPORT: &str = "report.html";
 /// How its head says who wrote it.
 const GENERATOR: &str = "<meta name=\"generator\" content=\"phisindy ";
+
+/// The text of a file; a pipe would be waited for.
+fn plain_text(path: &Path) -> io::Result<String> {
+    io::read_to_string(open_plain_file(path)?)
+}
 
 /// The folders in a result.
 fn folders(files: &Folder) -> impl Iterator<Item = &str> {

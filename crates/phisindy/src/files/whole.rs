@@ -2,6 +2,7 @@
 
 use std::ffi::{OsStr, OsString};
 use std::fs::{self, File, TryLockError};
+use std::hash::{BuildHasher, Hasher, RandomState};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -13,12 +14,9 @@ const PART: &str = ".part";
 /// # Errors
 /// The disk is full, or the folder cannot be written.
 pub fn write_whole(path: &Path, content: &[u8]) -> io::Result<()> {
-    let part = part_of(path)?;
     remove_parts(path);
-    let written = File::create(&part).and_then(|mut file| {
-        // A file system without locks is no reason not to work.
-        let _ = file.try_lock();
-        file.write_all(content)?;
+    let (part, mut file) = new_part(path, |part| File::create_new(part))?;
+    let written = file.write_all(content).and_then(|()| {
         // Without it a power cut may leave a name of half a file.
         file.sync_all()?;
         fs::rename(&part, path)
@@ -35,19 +33,57 @@ pub fn write_whole(path: &Path, content: &[u8]) -> io::Result<()> {
 pub fn try_to_write(folder: &Path) -> io::Result<()> {
     let trial = folder.join("trial");
     remove_parts(&trial);
-    let part = part_of(&trial)?;
-    File::create(&part).and_then(|_| fs::remove_file(&part))
+    let (part, _lock) = new_part(&trial, |part| File::create_new(part))?;
+    fs::remove_file(&part)
 }
 
-/// The name under which this process writes a file or a folder until it is whole.
+/// Begins a file or a folder under a name of its own beside `path`. It is locked as long as what `create` returned
+/// lives.
 ///
 /// # Errors
-/// The path has no last name.
-pub(super) fn part_of(path: &Path) -> io::Result<PathBuf> {
+/// The path has no last name, or the folder cannot be written.
+pub(super) fn new_part<T: Lock>(
+    path: &Path,
+    create: impl Fn(&Path) -> io::Result<T>,
+) -> io::Result<(PathBuf, T)> {
     let name = path.file_name().ok_or(io::ErrorKind::InvalidInput)?;
-    let mut hidden = hidden(name);
-    hidden.push(format!("{}{PART}", std::process::id()));
-    Ok(folder_of(path).join(hidden))
+    for _ in 0..TRIALS {
+        // Programs in two containers may share a folder and have the same number.
+        let random = RandomState::new().build_hasher().finish() as u32;
+        let mut hidden = hidden(name);
+        hidden.push(format!("{}-{random}{PART}", std::process::id()));
+        let part = folder_of(path).join(hidden);
+        match create(&part) {
+            // Another program may have cleaned up between the name and the lock.
+            Ok(made) if made.is_taken() || part.symlink_metadata().is_err() => {}
+            Ok(made) => return Ok((part, made)),
+            Err(why) if why.kind() == io::ErrorKind::AlreadyExists => {}
+            Err(why) => return Err(why),
+        }
+    }
+    Err(io::Error::other("another program takes every name"))
+}
+
+/// Most names that are tried.
+const TRIALS: usize = 100;
+
+/// What can be locked.
+pub(super) trait Lock {
+    /// Locks it, and returns whether another program holds it. A file system without locks is no reason not to
+    /// work.
+    fn is_taken(&self) -> bool;
+}
+
+impl Lock for File {
+    fn is_taken(&self) -> bool {
+        matches!(self.try_lock(), Err(TryLockError::WouldBlock))
+    }
+}
+
+impl Lock for Option<File> {
+    fn is_taken(&self) -> bool {
+        self.as_ref().is_some_and(File::is_taken)
+    }
 }
 
 /// Removes what killed programs left of a file or a folder. What a program still writes is locked.
@@ -55,19 +91,16 @@ pub(super) fn remove_parts(path: &Path) {
     let Some(start) = path.file_name().map(hidden) else { return };
     for entry in fs::read_dir(folder_of(path)).into_iter().flatten().flatten() {
         let name = entry.file_name();
-        let digits = name.as_encoded_bytes().strip_prefix(start.as_encoded_bytes());
-        let digits = digits.and_then(|rest| rest.strip_suffix(PART.as_bytes()));
-        if digits.is_some_and(|d| !d.is_empty() && d.iter().all(u8::is_ascii_digit))
-            && unlocked(&entry.path())
+        let number = name.as_encoded_bytes().strip_prefix(start.as_encoded_bytes());
+        let number = number.and_then(|rest| rest.strip_suffix(PART.as_bytes()));
+        if number.is_some_and(|n| !n.is_empty() && n.iter().all(|b| b.is_ascii_digit() || *b == b'-'))
+            // Held while it is removed. Windows opens no folders: there a folder is left where it is.
+            && let Ok(lock) = File::open(entry.path())
+            && !lock.is_taken()
         {
             let _ = fs::remove_file(entry.path()).or_else(|_| fs::remove_dir_all(entry.path()));
         }
     }
-}
-
-/// Whether no program writes there. Windows opens no folders: there a folder is left where it is.
-fn unlocked(part: &Path) -> bool {
-    File::open(part).is_ok_and(|file| !matches!(file.try_lock(), Err(TryLockError::WouldBlock)))
 }
 
 /// `.NAME.`

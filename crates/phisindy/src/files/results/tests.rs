@@ -130,6 +130,29 @@ fn what_a_killed_program_left_is_removed_and_what_is_written_is_not() {
     assert_eq!((dead.exists(), alive.exists()), (false, true));
 }
 
+#[test]
+fn the_part_of_a_program_with_the_same_number_is_left() {
+    let top = tempfile::tempdir().expect("a folder");
+    let other = top.path().join(format!(".out.{}.part", std::process::id()));
+    fs::create_dir(&other).and_then(|()| fs::write(other.join(RESULT), "{")).expect("a part");
+    let lock = File::open(&other).expect("a folder");
+    lock.try_lock().expect("locked");
+    put(&top.path().join("out"), "a", Worth::Whole);
+    assert!(other.join(RESULT).exists());
+    let parts = |top: &Path| {
+        let names = fs::read_dir(top).expect("a folder").flatten().map(|e| e.file_name());
+        names.filter(|name| name.to_string_lossy().starts_with(".out.")).count()
+    };
+    // Two that write at the same time have a name each, and leave nothing.
+    let out = top.path().join("out");
+    let (one, two) = (new_folder(&out).expect("a part"), new_folder(&out).expect("a part"));
+    remove_parts(&out);
+    assert_eq!(parts(top.path()), 3);
+    drop((one, two, lock));
+    remove_parts(&out);
+    assert_eq!(parts(top.path()), 0);
+}
+
 #[cfg(unix)]
 #[test]
 fn links_are_not_followed() {
