@@ -39,22 +39,25 @@ impl Limit {
         if text.trim() == "none" {
             return Ok(Limit::none());
         }
-        let mut limit = DEFAULT;
+        let (mut time, mut memory) = (None, None);
         for part in text.split(',').map(str::trim) {
             let unit = part.trim_start_matches(|c: char| c.is_ascii_digit() || c == '.');
             let number = part[..part.len() - unit.len()].parse::<f64>().ok().filter(|x| *x > 0.0 && *x < 1e9);
             let factor =
                 |table: &[(&str, f64)]| table.iter().find(|(name, _)| *name == unit.trim()).map(|(_, f)| *f);
-            match (number, factor(TIMES), factor(MEMORIES)) {
-                (Some(x), Some(seconds), _) => limit.time = Some(Duration::from_secs_f64(x * seconds)),
-                (Some(x), _, Some(bytes)) => limit.memory = Some((x * bytes) as u64),
+            let twice = match (number, factor(TIMES), factor(MEMORIES)) {
+                (Some(x), Some(seconds), _) => time.replace(Duration::from_secs_f64(x * seconds)).is_some(),
+                (Some(x), _, Some(bytes)) => memory.replace((x * bytes) as u64).is_some(),
                 _ => return Err(
                     "expected a time (30s, 10min, 2h), a memory (500MB, 4GB), both as in 10min,4GB, or none"
                         .into(),
                 ),
+            };
+            if twice {
+                return Err("expected one time and one memory at most, as in 10min,4GB".into());
             }
         }
-        Ok(limit)
+        Ok(Limit { time: time.or(DEFAULT.time), memory: memory.or(DEFAULT.memory) })
     }
 }
 
@@ -79,7 +82,20 @@ mod tests {
             Limit { time: Some(Duration::from_secs(5400)), memory: Some(500_000_000) }
         );
         assert_eq!(limit("none"), Limit { time: None, memory: None });
-        for wrong in ["", "10", "min", "-1s", "0s", "4TB", "1e3s", "10min;4GB", "10min,", "nan s"] {
+        for wrong in [
+            "",
+            "10",
+            "min",
+            "-1s",
+            "0s",
+            "4TB",
+            "1e3s",
+            "10min;4GB",
+            "10min,",
+            "nan s",
+            "10min,20min",
+            "1GB,2h,2GB",
+        ] {
             assert!(Limit::parse(wrong).is_err(), "{wrong}");
         }
     }
