@@ -123,17 +123,44 @@ pub(crate) fn replace_file(path: &Path, content: impl AsRef<[u8]>) -> Result<()>
 
 /// The place of the result of each spec: `out` for a single spec, else a folder in it named after each spec.
 pub(crate) fn places(out: &Path, specs: &[PathBuf], options: &Options) -> Result<Vec<Results>> {
-    let stem = |path: &Path| path.file_stem().map_or("spec".into(), OsString::from);
-    let place = |k: usize| {
-        if specs.len() == 1 {
-            return out.to_owned();
-        }
-        let mut own = stem(&specs[k]);
-        let same = specs[..k].iter().filter(|path| stem(path) == own).count();
-        if same > 0 {
-            own.push(format!("-{}", same + 1));
-        }
-        out.join(own)
+    if let [spec] = specs {
+        return Ok(vec![Results::prepare(out, spec, options)?]);
+    }
+    let places = names(specs).into_iter().zip(specs);
+    places.map(|(name, spec)| Results::prepare(&out.join(name), spec, options)).collect()
+}
+
+/// The stem of each spec, or `STEM-N` where one before it has that: no two are alike.
+fn names(specs: &[PathBuf]) -> Vec<OsString> {
+    // The stem of `..ron` is `.`, another folder.
+    let stem = |path: &PathBuf| {
+        path.file_stem().filter(|s| *s != "." && *s != "..").map_or("spec".into(), OsString::from)
     };
-    specs.iter().enumerate().map(|(k, spec)| Results::prepare(&place(k), spec, options)).collect()
+    let stems: Vec<OsString> = specs.iter().map(stem).collect();
+    let mut names: Vec<OsString> = Vec::new();
+    for (k, stem) in stems.iter().enumerate() {
+        let mut name = stem.clone();
+        let mut n = 1;
+        while stems[..k].contains(&name) || names.contains(&name) || n > 1 && stems.contains(&name) {
+            n += 1;
+            name.clone_from(stem);
+            name.push(format!("-{n}"));
+        }
+        names.push(name);
+    }
+    names
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_two_specs_have_one_folder() {
+        let of = |specs: &[&str]| names(&specs.iter().map(PathBuf::from).collect::<Vec<_>>());
+        assert_eq!(of(&["d1/a.ron", "d1/a-2.ron", "d2/a.ron"]), ["a", "a-2", "a-3"]);
+        assert_eq!(of(&["d1/a.ron", "d2/a.ron", "d1/a-2.ron"]), ["a", "a-3", "a-2"]);
+        assert_eq!(of(&["a.ron", "a.ron", "a.ron"]), ["a", "a-2", "a-3"]);
+        assert_eq!(of(&["..ron", "...ron", "b.ron"]), ["spec", "spec-2", "b"]);
+    }
 }
