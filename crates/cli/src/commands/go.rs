@@ -5,6 +5,7 @@ use crate::args::{GoArgs, NewArgs, Options};
 use crate::outdir::Results;
 use crate::terminal::{complain, remark};
 use anyhow::Result;
+use phisindy_report::Folder;
 use std::ffi::OsString;
 use std::io::{self, IsTerminal};
 use std::path::{Path, PathBuf};
@@ -22,7 +23,10 @@ pub(crate) fn command(args: &GoArgs, options: &Options) -> Result<u8> {
         PathBuf::from(name)
     };
     let out = options.out.clone().unwrap_or_else(|| named("-found"));
-    let spec = out.join(named(".ron"));
+    // The result has an `identified.ron` of its own, and some systems do not tell large letters from small ones.
+    let of_result = |name: &Path| Folder::may_hold(&name.to_string_lossy().to_lowercase());
+    let draft = Some(named(".ron")).filter(|name| !of_result(name)).unwrap_or_else(|| named("-spec.ron"));
+    let spec = out.join(draft);
     Results::prepare(&out, &spec, options)?;
     // A spec that is there may hold edits: they count.
     if spec.exists() {
