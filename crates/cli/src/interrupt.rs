@@ -5,6 +5,8 @@ use crate::limit::{Limit, resident_memory};
 use crate::terminal::{NUMERICS, complain, remark};
 use phisindy_report::StopReason;
 use std::io::IsTerminal;
+#[cfg(unix)]
+use std::sync::Arc;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -36,6 +38,13 @@ pub(crate) fn listen(limit: Limit, keeps: bool) {
         // The handle is not needed: the thread ends with the program.
         let _ = std::thread::Builder::new().name("limit".to_owned()).spawn(move || watch(limit, keeps));
     }
+}
+
+/// A file that grows beyond a limit is an error of its write, as a full disk is; by itself the system would end
+/// the program.
+pub(crate) fn outlast_the_limit_of_files() {
+    #[cfg(unix)]
+    let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, Arc::default());
 }
 
 /// Hears the signals that ask for an end: Ctrl-C, the end of a batch job, a terminal that is closed.

@@ -31,6 +31,7 @@ use std::path::Path;
 ///
 /// Help, the version and mistakes of the command line end the process.
 pub fn program(line: impl Iterator<Item = OsString>) -> u8 {
+    interrupt::outlast_the_limit_of_files();
     let line: Vec<OsString> = line.collect();
     let mut args = match parsed(&line) {
         Ok(args) => args,
