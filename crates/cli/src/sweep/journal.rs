@@ -2,6 +2,7 @@
 
 use super::design::Design;
 use anyhow::{Context, Result, anyhow, bail};
+use phisindy::files::open_plain_file;
 use phisindy_report::sweep::Run;
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
@@ -144,7 +145,11 @@ impl Journal {
     /// It cannot be read, is none, or is damaged.
     pub(crate) fn read(path: &Path) -> Result<Kept> {
         let shown = path.display().to_string();
-        Kept::of(&std::fs::read(path).with_context(|| format!("cannot read `{shown}`"))?, &shown)
+        let mut text = Vec::new();
+        open_plain_file(path)
+            .and_then(|mut file| file.read_to_end(&mut text))
+            .with_context(|| format!("cannot read `{shown}`"))?;
+        Kept::of(&text, &shown)
     }
 
     /// Whether a run is finished.

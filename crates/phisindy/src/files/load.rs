@@ -1,7 +1,7 @@
 //! From a spec file to a checked case with its records.
 
 use super::columns::Columns;
-use super::folders::{self, Folders, Missing};
+use super::folders::{self, Folders, Missing, open_plain_file};
 use super::laws;
 use super::request::{Assignment, Request};
 use super::trends::Trends;
@@ -17,7 +17,6 @@ use phisindy_phys::{
 };
 use phisindy_signal::{Interpolation, Signal, strongest_line};
 use phisindy_sim::{SyntheticError, Trajectory, synthesize};
-use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
@@ -208,14 +207,10 @@ pub fn spec_text(path: &Path) -> Result<String, Diagnostic> {
 /// What the reader of specs takes, and a byte more, by which it sees that there is too much.
 const LONGEST: u64 = (1 << 20) + 1;
 
-/// The bytes of a file, as far as they can be a spec. It may be a pipe, for the user named it.
+/// The bytes of a plain file, as far as they can be a spec.
 pub fn start_of(path: &Path) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
-    let file = File::open(path)?;
-    if file.metadata()?.is_dir() {
-        return Err(io::Error::new(io::ErrorKind::IsADirectory, "it is a folder"));
-    }
-    file.take(LONGEST).read_to_end(&mut bytes)?;
+    open_plain_file(path)?.take(LONGEST).read_to_end(&mut bytes)?;
     Ok(bytes)
 }
 
