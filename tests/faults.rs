@@ -7,6 +7,7 @@ use crate::common::{self, Outcome, Scratch, phisindy, program};
 use std::fs::{self, File};
 use std::io::{Read, Write};
 use std::os::unix::fs::{PermissionsExt, symlink};
+use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
@@ -62,7 +63,7 @@ fn a_full_disk_is_told_and_the_result_is_not_lost() {
     // A limit on the size of files is what a full disk looks like to a program; the report is its largest
     // file.
     let shell = format!(
-        "trap '' XFSZ; ulimit -f 8; exec \"{}\" run {} --out \"{}\"",
+        "ulimit -f 8; exec \"{}\" run {} --out \"{}\"",
         env!("CARGO_BIN_EXE_phisindy"),
         QUICK.join(" "),
         scratch.path("out")
@@ -154,8 +155,22 @@ fn what_is_no_file_is_refused_and_not_waited_for() {
     refused(&check(&scratch), &["it is a folder", "name a file in it"]);
     let said = phisindy(&["check", &scratch.path("")]);
     assert!(said.code == 2 && said.err.contains("it is a folder"), "{}", said.err);
-    // A spec that never ends is read no further than a spec can be long.
-    refused(&phisindy(&["check", "/dev/zero"]), &["longer than 1 MiB"]);
+    refused(&phisindy(&["check", "/dev/zero"]), &["pipe or a device"]);
+    // A spec is read no further than a spec can be long.
+    let long = scratch.path("long.ron");
+    File::create(&long).and_then(|file| file.set_len(1 << 40)).expect("a file");
+    refused(&phisindy(&["check", &long]), &["longer than 1 MiB"]);
+    // No writer comes.
+    for name in ["a.ron", "j/sweep-1-of-2.jsonl", "out/result.json"] {
+        let path = scratch.path(name);
+        fs::create_dir_all(Path::new(&path).parent().expect("a folder")).expect("made");
+        assert!(Command::new("mkfifo").arg(path).status().expect("mkfifo").success());
+    }
+    refused(&phisindy(&["run", &scratch.path("a.ron")]), &["pipe or a device"]);
+    let said = phisindy(&["sweep", "--merge", &scratch.path("j")]);
+    assert!(said.code == 2 && said.err.contains("pipe or a device"), "{}", said.err);
+    let said = phisindy(&[&["run"], QUICK, &["--force", "--out", &scratch.path("out")]].concat());
+    assert_eq!(said.code, 0, "{}", said.err);
 }
 
 #[test]

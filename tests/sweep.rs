@@ -360,3 +360,30 @@ fn ctrl_c_keeps_what_is_finished() {
     assert!(out.contains("exactly the true terms in"), "{out}");
     assert!(lines() >= 3);
 }
+
+#[test]
+fn more_cells_than_anybody_reads_are_refused_before_they_are_made() {
+    let axes: Vec<String> = (0..20).map(|k| format!("learn.cutoff{k}=0.1;0.2")).collect();
+    let many: Vec<&str> = axes.iter().flat_map(|axis| ["--vary", axis.as_str()]).collect();
+    let refused = |more: &[&str], words: &str| {
+        let said = sweep(more);
+        assert_eq!((said.code, said.out.as_str()), (2, ""), "{}", said.err);
+        assert!(said.err.contains(words), "{}", said.err);
+    };
+    refused(&many, "1048576 cells with 3 seeds each are too many");
+    // Cells that could not be told apart, or whose values the seeds of the sweep replace.
+    refused(&["--vary", "data.0.step=0.1;0.2;0.1"], "lists `0.1` twice");
+    refused(&["--vary", "data.0.step=0.1", "--vary", "data.0.step=0.2"], "is given twice");
+    refused(&["--vary", "data.0.seed=1;2"], "each run has a seed of its own");
+}
+
+#[test]
+fn a_limit_is_heard_while_cells_are_made() {
+    let values: Vec<String> = (0..20_000).map(|k| format!("{}", 20.0 + 1e-3 * f64::from(k))).collect();
+    let axis = format!("data.0.duration={}", values.join(";"));
+    let begin = std::time::Instant::now();
+    let said = phisindy(&["sweep", "specs/case1a.ron", "--seeds", "1", "--vary", &axis, "--limit", "1s"]);
+    assert!(begin.elapsed().as_secs() < 10, "{:?}", begin.elapsed());
+    assert_eq!(said.code, 3, "{}", said.err);
+    assert!(said.err.contains("stopped before the first run"), "{}", said.err);
+}

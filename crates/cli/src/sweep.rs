@@ -24,7 +24,7 @@ use crate::progress::Progress;
 use anyhow::{Result, anyhow};
 use phisindy::Loaded;
 use phisindy::files::{Purpose, Refusal, load_text};
-use phisindy_learn::{LearnOptions, SweepRun, Truth, bound, project, sweep_one};
+use phisindy_learn::{LearnOptions, SweepRun, bound, project, sweep_one};
 use phisindy_phys::{Case, Diagnostic, Origin, Sources};
 use phisindy_report::sweep::{Found, NamedTruth, Run, RunVerdict, TermName};
 use std::path::{Path, PathBuf};
@@ -141,25 +141,19 @@ pub(crate) fn seed_of(case: &Case) -> Option<u64> {
 ///
 /// # Errors
 /// The journal cannot be written, or a worker died.
-pub(crate) fn sweep(plan: &Plan, journal: &mut Journal, title: &str) -> Result<Outcome> {
+pub(crate) fn sweep(plan: &Arc<Plan>, journal: &mut Journal, title: &str) -> Result<Outcome> {
     let begin = Instant::now();
     let mut todo = Vec::new();
     for (k, checked) in plan.cells.iter().enumerate() {
-        let Ok(named) = &checked.truth else { continue };
-        for seed in plan.own(k) {
-            if !journal.has(&checked.cell.label, seed) {
-                todo.push(Task {
-                    cell: k,
-                    seed,
-                    text: checked.cell.text.clone(),
-                    truth: named.truth.clone(),
-                });
-            }
+        if checked.truth.is_ok() {
+            todo.extend(
+                plan.own(k).filter(|&seed| !journal.has(&checked.cell.label, seed)).map(|seed| (k, seed)),
+            );
         }
     }
     let mut progress = Progress::new(title, plan.options.quiet);
     let total = todo.len();
-    let todo = Arc::new((todo, plan.spec.clone(), plan.options.clone()));
+    let todo = Arc::new(todo);
     let next = Arc::new(AtomicUsize::new(0));
     let (sender, receiver) = channel();
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
@@ -170,10 +164,10 @@ pub(crate) fn sweep(plan: &Plan, journal: &mut Journal, title: &str) -> Result<O
             .num_threads(1)
             .build()
             .map_err(|e| anyhow!("cannot start a thread: {e}"))?;
-        let (todo, next, sender) = (todo.clone(), next.clone(), sender.clone());
+        let (plan, todo, next, sender) = (plan.clone(), todo.clone(), next.clone(), sender.clone());
         pool.spawn(move || {
-            while let Some(task) = todo.0.get(next.fetch_add(1, Ordering::Relaxed)) {
-                if interrupt::requested() || sender.send((task.cell, task.run(&todo.1, &todo.2))).is_err() {
+            while let Some(&(cell, seed)) = todo.get(next.fetch_add(1, Ordering::Relaxed)) {
+                if interrupt::requested() || sender.send(one(&plan, cell, seed)).is_err() {
                     return;
                 }
             }
@@ -184,8 +178,7 @@ pub(crate) fn sweep(plan: &Plan, journal: &mut Journal, title: &str) -> Result<O
     let mut done = 0;
     while done < total && !interrupt::requested() {
         match receiver.recv_timeout(TICK) {
-            Ok((cell, mut run)) => {
-                run.cell.clone_from(&plan.cells[cell].cell.label);
+            Ok(run) => {
                 journal.push(run)?;
                 done += 1;
                 progress.at(done as f64 / total as f64);
@@ -201,8 +194,7 @@ pub(crate) fn sweep(plan: &Plan, journal: &mut Journal, title: &str) -> Result<O
         }
     }
     // What was finished while Ctrl-C arrived is kept too.
-    while let Ok((cell, mut run)) = receiver.try_recv() {
-        run.cell.clone_from(&plan.cells[cell].cell.label);
+    while let Ok(run) = receiver.try_recv() {
         journal.push(run)?;
         done += 1;
     }
@@ -212,40 +204,28 @@ pub(crate) fn sweep(plan: &Plan, journal: &mut Journal, title: &str) -> Result<O
     Ok(Outcome { runs, stopped: done < total, seconds: begin.elapsed().as_secs_f64() })
 }
 
-struct Task {
-    cell: usize,
-    seed: u64,
-    text: String,
-    truth: Truth,
-}
-
-impl Task {
-    fn run(&self, spec: &Path, options: &Options) -> Run {
-        let begin = Instant::now();
-        let options = Options { seed: Some(self.seed), ..options.clone() };
-        let (mut sources, mut found) = (Sources::default(), Vec::new());
-        let loaded =
-            load_text(spec, self.text.clone(), &options.request(), Purpose::Run, &mut sources, &mut found);
-        let mut run = match loaded {
-            Ok(loaded) => {
-                let learn = LearnOptions { method: options.method.map(Into::into) };
-                let least = bound(&loaded.case, &loaded.records, &loaded.truths, &self.truth);
-                let one = sweep_one(&loaded.case, &loaded.records, &self.truth, &learn);
-                summary(one, least.unwrap_or_default())
-            }
-            Err(_) => {
-                let why = found.iter().find(|d| d.is_error()).map_or(String::new(), |d| d.message.clone());
-                Run {
-                    verdict: RunVerdict::Failed(why),
-                    found: vec![None; self.truth.terms.len()],
-                    ..Run::default()
-                }
-            }
-        };
-        run.seed = self.seed;
-        run.seconds = begin.elapsed().as_secs_f64();
-        run
-    }
+/// Does a run of a cell, by its place.
+fn one(plan: &Plan, cell: usize, seed: u64) -> Run {
+    let begin = Instant::now();
+    let options = Options { seed: Some(seed), ..plan.options.clone() };
+    let Checked { cell: Cell { label, text }, truth } = &plan.cells[cell];
+    let (mut sources, mut found) = (Sources::default(), Vec::new());
+    let loaded =
+        load_text(&plan.spec, text.clone(), &options.request(), Purpose::Run, &mut sources, &mut found);
+    let run = match (loaded, truth) {
+        (Ok(loaded), Ok(NamedTruth { truth, .. })) => {
+            let learn = LearnOptions { method: options.method.map(Into::into) };
+            let least = bound(&loaded.case, &loaded.records, &loaded.truths, truth);
+            let one = sweep_one(&loaded.case, &loaded.records, truth, &learn);
+            summary(one, least.unwrap_or_default())
+        }
+        _ => {
+            let why = found.iter().find(|d| d.is_error()).map_or(String::new(), |d| d.message.clone());
+            let terms = truth.as_ref().map_or(0, |named| named.truth.terms.len());
+            Run { verdict: RunVerdict::Failed(why), found: vec![None; terms], ..Run::default() }
+        }
+    };
+    Run { cell: label.clone(), seed, seconds: begin.elapsed().as_secs_f64(), ..run }
 }
 
 /// What the journal keeps of a run.

@@ -16,6 +16,7 @@ use phisindy_phys::spec::Method;
 use phisindy_phys::{Case, Diagnostic, Origin, Sources};
 use phisindy_report::sweep::{CellRuns, RunVerdict, SweepRuns};
 use std::path::Path;
+use std::sync::Arc;
 
 /// The name of the table in the folder of `--out`.
 const TABLE: &str = "sweep.json";
@@ -136,7 +137,17 @@ struct Prepared {
     /// Its text with every `--set` in it.
     text: String,
     method: Method,
-    plan: Plan,
+    plan: Arc<Plan>,
+}
+
+/// Most cells of a sweep: each is made and checked before the first run, and is a row of the table.
+const MOST_CELLS: u64 = 100_000;
+/// Most runs of a sweep, of all shards.
+const MOST_RUNS: u64 = 1_000_000;
+
+/// `1 seed`, `2 seeds`.
+fn counted(n: u64, what: &str) -> String {
+    format!("{n} {what}{}", if n == 1 { "" } else { "s" })
 }
 
 /// Checks everything before the first run. If something is wrong, it shows the mistakes; the inner error is
@@ -163,25 +174,46 @@ fn prepared(spec: &Path, args: &SweepArgs, options: &Options) -> Result<Result<P
         bail!("{}: `unknown` is empty, so there is nothing to find", base.spec);
     }
     let method = options.method.map(Method::from).or(case.learn.method).unwrap_or(Method::Trajectory);
-    let cells = match product(&text, &axes(args, case, method)?, &mut sources) {
+    let axes = axes(args, case, method)?;
+    let cells = axes.iter().map(|axis| axis.len() as u64).try_fold(1, u64::checked_mul);
+    let runs = cells.and_then(|cells| cells.checked_mul(args.seeds));
+    if cells.is_none_or(|cells| cells > MOST_CELLS) || runs.is_none_or(|runs| runs > MOST_RUNS) {
+        bail!(
+            "{} with {} each are too many: a sweep has at most {MOST_CELLS} cells and {MOST_RUNS} runs: \
+             list fewer values, or make several sweeps of it",
+            cells.map_or("the cells".to_owned(), |n| counted(n, "cell")),
+            counted(args.seeds, "seed"),
+        );
+    }
+    let cells = match product(&text, &axes, &mut sources) {
         Ok(cells) => cells,
         Err(mistake) => return drawn(&mistake, &sources),
     };
     let mut all = Vec::new();
     for cell in cells {
+        if interrupt::requested() {
+            break;
+        }
+        // Each has sources of its own: those of all cells would fill the memory.
+        let mut sources = Sources::default();
         match checked(spec, cell, options, &mut sources, false) {
             Ok((checked, _)) => all.push(checked),
             Err(code) => return Ok(Err(code)),
         }
     }
-    let plan = Plan {
+    if interrupt::requested() {
+        complain("stopped before the first run");
+        interrupt::tell();
+        return Ok(Err(interrupt::code()));
+    }
+    let plan = Arc::new(Plan {
         spec: spec.to_owned(),
         options: options.clone(),
         cells: all,
         first,
         seeds: args.seeds,
         shard: args.shard,
-    };
+    });
     Ok(Ok(Prepared { base, text, method, plan }))
 }
 
@@ -254,6 +286,10 @@ fn axes(args: &SweepArgs, case: &Case, method: Method) -> Result<Vec<Axis>> {
     let mut axes = Vec::new();
     let mut add = |option: &str, name: &str, paths: &[String], list: &str, separator: char| {
         let values = listed(list, separator);
+        // Cells with one label would share their runs.
+        if let Some(twice) = (1..values.len()).find(|&k| values[..k].contains(&values[k])) {
+            bail!("{option} lists `{}` twice: list each value once", values[twice]);
+        }
         axes.push(vary(name, paths, &values));
         if values.is_empty() { Err(anyhow!("{option} lists nothing")) } else { Ok(()) }
     };
@@ -272,7 +308,17 @@ fn axes(args: &SweepArgs, case: &Case, method: Method) -> Result<Vec<Axis>> {
         }
         add("--cutoffs", "cutoff", &paths, &list, ',')?;
     }
-    for set in &args.vary {
+    for (k, set) in args.vary.iter().enumerate() {
+        let parts: Vec<&str> = set.path.split('.').collect();
+        if let ["data", _, "seed"] = parts[..] {
+            bail!(
+                "--vary {}: each run has a seed of its own: choose how many with --seeds, and the first with --seed",
+                set.path
+            );
+        }
+        if args.vary[..k].iter().any(|other| other.path == set.path) {
+            bail!("--vary {} is given twice: list all its values in one, as in {0}=1;2", set.path);
+        }
         add("--vary", &set.path, std::slice::from_ref(&set.path), &set.value, ';')?;
     }
     Ok(axes)

@@ -1,5 +1,6 @@
 //! Cells of a sweep: one text for every combination of values.
 
+use crate::interrupt;
 use phisindy::files::Assignment;
 use phisindy::files::with_assignments;
 use phisindy_phys::{Diagnostic, Sources};
@@ -48,7 +49,7 @@ pub(crate) fn vary(name: &str, paths: &[String], values: &[String]) -> Axis {
     values.iter().map(assigned).collect()
 }
 
-/// Every combination of the axes, the last one varying fastest.
+/// Every combination of the axes, the last one varying fastest; none where the program is asked to end.
 ///
 /// # Errors
 /// A value that cannot be spliced into the text.
@@ -57,6 +58,10 @@ pub(crate) fn product(text: &str, axes: &[Axis], sources: &mut Sources) -> Resul
     for axis in axes.iter().filter(|axis| !axis.is_empty()) {
         let mut wider = Vec::new();
         for cell in &cells {
+            // The caller looks for it too.
+            if interrupt::requested() {
+                return Ok(vec![]);
+            }
             for (name, sets) in axis {
                 let joint = if cell.label.is_empty() || name.is_empty() { "" } else { ", " };
                 wider.push(Cell {
