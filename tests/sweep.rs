@@ -379,10 +379,15 @@ fn more_cells_than_anybody_reads_are_refused_before_they_are_made() {
 
 #[test]
 fn a_limit_is_heard_while_cells_are_made() {
-    let values: Vec<String> = (0..20_000).map(|k| format!("{}", 20.0 + 1e-3 * f64::from(k))).collect();
-    let axis = format!("data.0.duration={}", values.join(";"));
+    let axis = |path: &str| {
+        let values: Vec<String> = (0..300).map(|k| format!("{}", 20.0 + 0.01 * f64::from(k))).collect();
+        format!("data.0.{path}={}", values.join(";"))
+    };
+    let (one, two) = (axis("duration"), axis("start.y"));
     let begin = std::time::Instant::now();
-    let said = phisindy(&["sweep", "specs/case1a.ron", "--seeds", "1", "--vary", &axis, "--limit", "1s"]);
+    let words =
+        ["sweep", "specs/case1a.ron", "--seeds", "1", "--vary", &one, "--vary", &two, "--limit", "1s"];
+    let said = phisindy(&words);
     assert!(begin.elapsed().as_secs() < 10, "{:?}", begin.elapsed());
     assert_eq!(said.code, 3, "{}", said.err);
     assert!(said.err.contains("stopped before the first run"), "{}", said.err);
