@@ -533,6 +533,35 @@ fn names_of_files_need_not_be_utf8() {
     assert!(matches!(done.0, Some(0 | 1)), "{}", done.1);
     let again = run(&[word("check"), out.join("identified.ron").as_os_str()]);
     assert_eq!(again.0, Some(0), "{}", again.1);
+    // In the working folder too.
+    let here = |words: &[&OsStr]| {
+        let output =
+            crate::common::program(&[]).current_dir(&scratch.0).args(words).output().expect("starts");
+        (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    let new = here(&[word("new"), OsStr::from_bytes(b"r\xffg.csv"), word("--out"), word("here.ron")]);
+    assert_eq!(new.0, Some(0), "{}", new.1);
+    let check = here(&[word("check"), word("here.ron")]);
+    assert!(check.0 == Some(0) && !check.1.contains("no data file"), "{}", check.1);
+    // What a spec cannot name is no mistake of the program.
+    std::fs::copy(&data, path(b"quo\"te\\x.csv")).expect("a file");
+    let new = here(&[word("new"), word("quo\"te\\x.csv")]);
+    assert!(new.0 == Some(2) && new.1.contains("without `\\`"), "{}", new.1);
+    std::fs::copy(&data, path(b"quo\"te.csv")).expect("a file");
+    assert_eq!(here(&[word("new"), word("quo\"te.csv"), word("--out"), word("quote.ron")]).0, Some(0));
+}
+
+#[test]
+fn times_that_no_number_can_hold_are_refused() {
+    for unit in ["e-300", "e+300"] {
+        let rows =
+            table("time_s,x_mm", 600, |k, t| format!("{k}{unit},{:.4}", (5.0 * t).sin() + noise(k, 0.01)));
+        let scratch = Scratch::new("times");
+        std::fs::write(scratch.path("a.csv"), rows).expect("a file");
+        let said = phisindy(&["new", &scratch.path("a.csv")]);
+        assert_eq!(said.code, 2, "{}", said.err);
+        assert!(said.err.contains("such times cannot be used"), "{}", said.err);
+    }
 }
 
 #[test]

@@ -76,6 +76,7 @@ impl Draft {
         counts(&mut table, answers);
         let time = TimeColumn::find(&mut table, answers.rate).map_err(NoDraft::Time)?;
         let time = time.with_unit(&mut table, answers.time_unit.as_deref());
+        let time = time.usable(&table).map_err(NoDraft::Time)?;
         let runs = time.runs(table.rows());
         let longest = runs.iter().max_by_key(|r| r.len()).cloned().unwrap_or(0..table.rows());
         let times = &table.columns[time.column].values;

@@ -185,6 +185,13 @@ pub enum NoTime {
         /// What is said of the first text.
         mistake: Box<Diagnostic>,
     },
+    /// Of times as long or as short no rate can be computed.
+    Beyond {
+        /// The heading.
+        heading: String,
+        /// Seconds between two rows.
+        step: f64,
+    },
     /// No column is time, and nothing states the rate of the rows.
     NoRate {
         /// A column that counts the rows.
@@ -200,6 +207,9 @@ impl fmt::Display for NoTime {
             NoTime::NotGrowing { heading, falls } => {
                 let does = if *falls { "falls" } else { "does not grow" };
                 write!(f, "the column `{heading}` should be time, and it {does} from row to row")
+            }
+            NoTime::Beyond { heading, step } => {
+                write!(f, "the rows are {step:?} s apart by `{heading}`: such times cannot be used")
             }
             NoTime::Text { mistake, .. } => f.write_str(&mistake.message),
             NoTime::NoRate { stated, .. } if !stated.is_empty() => {
@@ -217,6 +227,8 @@ impl fmt::Display for NoTime {
     }
 }
 
+/// Seconds between two rows with which a draft can be computed.
+const USABLE: Range<f64> = 1e-30..1e30;
 /// Steps and rates of one clock differ by less, relatively.
 const SAME_RATE: f64 = 0.02;
 
@@ -353,6 +365,20 @@ impl TimeColumn {
         }
         let implausible_unit = own.filter(|own| implausible && Some(own.as_str()) != unit);
         TimeColumn { unit_guessed: guessed, implausible_unit, ..self }
+    }
+
+    /// Refuses times whose squares and inverses are no numbers.
+    ///
+    /// # Errors
+    /// Such times.
+    pub(crate) fn usable(self, table: &Table) -> Result<TimeColumn, NoTime> {
+        let heading = &table.columns[self.column].heading;
+        let step = self.step * factor(heading.unit.as_deref());
+        if USABLE.contains(&step) {
+            Ok(self)
+        } else {
+            Err(NoTime::Beyond { heading: heading.raw.clone(), step })
+        }
     }
 
     /// What the user has to say if the heading's unit makes no record.

@@ -46,6 +46,11 @@ pub(crate) fn written(args: &NewArgs, options: &Options, open_questions: bool) -
         }
         outdir::unless_there(out, options.force)?;
     }
+    let file = args.path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+    // It separates folders elsewhere, and specs name files alone.
+    if file.contains('\\') {
+        return Err(anyhow!("a spec cannot name the file `{file}`: give it a name without `\\`"));
+    }
     let mut sources = Sources::default();
     let draft = match drafted(args, options.quiet, &mut sources) {
         Ok(draft) => draft,
@@ -60,7 +65,6 @@ pub(crate) fn written(args: &NewArgs, options: &Options, open_questions: bool) -
         draw::show(draft.questions.iter().map(ask).collect::<Vec<_>>().iter(), &sources);
         return Ok(INPUT);
     }
-    let file = args.path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
     let next = next_command(args, out);
     let text = spec_text(&draft, &file, &next);
     let text = match files::with_assignments(text, &options.sets, &mut sources) {

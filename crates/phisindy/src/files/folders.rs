@@ -151,7 +151,7 @@ pub fn data_file(folder: &Path, name: &str) -> Option<PathBuf> {
     if path.exists() || !name.contains(char::REPLACEMENT_CHARACTER) {
         return path.exists().then_some(path);
     }
-    let entries = std::fs::read_dir(path.parent()?).ok()?.flatten();
+    let entries = std::fs::read_dir(super::whole::folder_of(&path)).ok()?.flatten();
     let shown = path.file_name()?;
     entries.map(|entry| entry.path()).find(|p| p.file_name().is_some_and(|n| *n.to_string_lossy() == *shown))
 }
