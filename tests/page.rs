@@ -4,6 +4,7 @@
 
 use phisindy::files::Request;
 use phisindy_page::Page;
+use phisindy_report::StopReason;
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::sample::select;
@@ -43,7 +44,8 @@ impl Served {
         let page = Page::open(folder.path(), first, 0, Request::default()).expect("a page");
         let (url, stop) = (page.url(), Arc::new(AtomicBool::new(false)));
         let asked = Arc::clone(&stop);
-        let serve = move || page.serve(&|| asked.load(Ordering::SeqCst));
+        let serve =
+            move || page.serve(&|| asked.load(Ordering::SeqCst).then_some(StopReason::Signal("SIGTERM")));
         Served { folder, url, stop, thread: Some(std::thread::spawn(serve)) }
     }
 
@@ -282,6 +284,32 @@ fn a_file_becomes_a_spec_and_the_spec_a_result() {
     );
 }
 
+#[test]
+fn the_result_of_a_long_name_is_shown() {
+    let page = Served::new(None);
+    let name = format!("{}\u{e9}{}.ron", "x".repeat(179), "y".repeat(15));
+    page.json("POST", &format!("api/spec?name={}", name.replace('\u{e9}', "%c3%a9")), SPEC);
+    page.json("POST", &format!("api/start?name={}&what=run", name.replace('\u{e9}', "%c3%a9")), "");
+    let result = worked(&page)["ended"]["result"].as_str().expect("a name").to_owned();
+    assert_eq!(page.json("GET", "api/state", "")["results"][0]["name"], result.as_str());
+    assert_eq!(page.own("GET", &format!("results/{result}/report.html"), "").0, 200);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_pipe_is_not_waited_for() {
+    let page = Served::new(None);
+    std::fs::create_dir_all(page.folder.path().join("results/a-run-1")).expect("made");
+    for name in ["a.ron", "results/a-run-1/result.json"] {
+        assert!(
+            Command::new("mkfifo").arg(page.folder.path().join(name)).status().expect("mkfifo").success()
+        );
+    }
+    let (status, body) = page.own("GET", "api/spec?name=a.ron", "");
+    assert!(status == 400 && body.contains("pipe or a device"), "{body}");
+    assert_eq!(page.json("GET", "api/state", "")["results"], json!([]));
+}
+
 /// The state of the work once it has ended.
 fn worked(page: &Served) -> Value {
     let since = Instant::now();
@@ -334,6 +362,7 @@ fn the_end_of_the_page_keeps_what_was_found() {
     page.end();
     let result: Value = serde_json::from_str(&page.text("results/long-gap-1/result.json")).expect("JSON");
     assert_eq!(result["stopped"], true);
+    assert!(page.text("results/long-gap-1/report.html").contains("Stopped by SIGTERM before the end"));
     assert!(TcpStream::connect(page.parts().0).is_err(), "nobody listens any more");
 }
 

@@ -81,6 +81,21 @@ fn every_signal_keeps_what_was_found_and_marks_it() {
     }
 }
 
+#[test]
+fn a_page_that_waits_ends_by_a_signal_and_speaks_of_no_work() {
+    for signal in ["-TERM", "-HUP", "-INT"] {
+        let scratch = Scratch::new("page");
+        let arguments = ["open", "--no-open", &scratch.path("")];
+        let mut child =
+            program(&arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("starts");
+        signalled(&mut child, &[signal]);
+        let said = child.wait_with_output().expect("ends");
+        let err = String::from_utf8_lossy(&said.stderr);
+        assert_eq!(said.status.code(), Some(130), "{signal}: {err}");
+        assert!(!err.contains("the work ends"), "{err}");
+    }
+}
+
 /// `nohup` sets SIGHUP aside.
 #[cfg(target_os = "linux")]
 #[test]

@@ -16,6 +16,9 @@ static MET: OnceLock<StopReason> = OnceLock::new();
 /// The signal that came first.
 static SIGNAL: OnceLock<&str> = OnceLock::new();
 
+/// Whether there is work, where the program also waits for some.
+static WORKS: OnceLock<Box<dyn Fn() -> bool + Send + Sync>> = OnceLock::new();
+
 /// The name of the signal that a terminal sends.
 const CTRL_C: &str = "Ctrl-C";
 /// Exit code after a signal.
@@ -83,8 +86,9 @@ fn listen_to_signals() {
 /// Requests the end of the work. Whoever presses Ctrl-C a second time does not want to wait. Other signals
 /// come twice by themselves: from the system and from a shell.
 fn request(signal: &'static str) {
+    let works = WORKS.get().is_none_or(|works| works());
     // On a terminal the line of progress is there already.
-    if SIGNAL.set(signal).is_ok() && !std::io::stderr().is_terminal() {
+    if SIGNAL.set(signal).is_ok() && works && !std::io::stderr().is_terminal() {
         remark(&format!("{signal}: the work ends after its present step, and what was found is kept"));
     }
     if REQUESTED.swap(true, Ordering::SeqCst) && signal == CTRL_C {
@@ -137,8 +141,22 @@ pub(crate) fn code() -> u8 {
 /// Why the work ended early. What it found is kept from here on, however long that takes.
 pub(crate) fn ended() -> StopReason {
     ENDED.store(true, Ordering::SeqCst);
+    why()
+}
+
+/// Why the work should end, if it should.
+pub(crate) fn reason() -> Option<StopReason> {
+    requested().then(why)
+}
+
+fn why() -> StopReason {
     let signal = || StopReason::Signal(SIGNAL.get().unwrap_or(&CTRL_C));
     MET.get().copied().unwrap_or_else(signal)
+}
+
+/// Says that the program also waits for work, and how to ask whether there is some.
+pub(crate) fn ask_for_work(works: impl Fn() -> bool + Send + Sync + 'static) {
+    let _ = WORKS.set(Box::new(works));
 }
 
 /// Reports that a limit was met, with advice. After a signal there is nothing to report.

@@ -6,13 +6,13 @@ use crate::results;
 use phisindy::files::{Purpose, Request, beside, load_text};
 use phisindy::{Catalogue, Loaded, Options, Progress};
 use phisindy_phys::Sources;
-use phisindy_report::Folder;
+use phisindy_report::{Folder, StopReason};
 use serde_json::{Value, json};
 use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Interval at which a result is tried to be written again, where the disk is full.
@@ -58,8 +58,8 @@ pub(crate) struct Jobs {
 struct Now {
     state: Mutex<State>,
     stop: AtomicBool,
-    /// Nothing new is started.
-    closed: AtomicBool,
+    /// Why the program ends: nothing new is started.
+    closed: OnceLock<StopReason>,
 }
 
 /// The job that is under way, or the last one.
@@ -88,7 +88,7 @@ impl Now {
     }
 
     fn stopping(&self) -> bool {
-        self.stop.load(Ordering::SeqCst) || self.closed.load(Ordering::SeqCst)
+        self.stop.load(Ordering::SeqCst) || self.closed.get().is_some()
     }
 
     /// Says what is being done.
@@ -120,7 +120,7 @@ impl Jobs {
             if state.running {
                 return Err("something is running: wait, or stop it first".to_owned());
             }
-            if self.now.closed.load(Ordering::SeqCst) {
+            if self.now.closed.get().is_some() {
                 return Err("the program is ending".to_owned());
             }
             *state = State {
@@ -156,8 +156,8 @@ impl Jobs {
     }
 
     /// Asks the work to end, and starts nothing any more.
-    pub(crate) fn close(&self) {
-        self.now.closed.store(true, Ordering::SeqCst);
+    pub(crate) fn close(&self, why: StopReason) {
+        let _ = self.now.closed.set(why);
     }
 
     /// Whether something is running.
@@ -230,14 +230,15 @@ fn worked(
     let seconds = || begin.elapsed().as_secs_f64();
     let spec = loaded.spec.clone();
     let command = [what.name(), spec.as_str()];
+    let why = || now.closed.get().copied().unwrap_or(StopReason::Interrupt);
     Ok(match what {
         What::Run => {
             let found = loaded.identify(&options)?;
-            (found.folder_of(seconds(), &command), found.stopped())
+            (found.folder_of(seconds(), &command, why()), found.stopped())
         }
         What::Gap => {
             let found = loaded.gap(&options)?;
-            (found.folder_of(seconds(), &command), found.stopped())
+            (found.folder_of(seconds(), &command, why()), found.stopped())
         }
     })
 }

@@ -31,6 +31,7 @@ use folder::Working;
 use guard::Guard;
 use jobs::Jobs;
 use phisindy::files::{Request, spec_text};
+use phisindy_report::StopReason;
 use phisindy_report::spec_text::named_data;
 use server::Server;
 use site::Site;
@@ -88,16 +89,25 @@ impl Page {
         self.site.guard.url()
     }
 
-    /// Answers requests until `stop` says so. Work that is under way is then asked to end, and keeps what is
-    /// finished; the page is answered until it has.
-    pub fn serve(&self, stop: &dyn Fn() -> bool) {
+    /// Tells whether `run` or `gap` is under way.
+    pub fn work(&self) -> impl Fn() -> bool + Send + Sync + use<> {
+        let site = Arc::clone(&self.site);
+        move || site.jobs.busy()
+    }
+
+    /// Answers requests until `stop` says why to end. Work that is under way is then asked to end, and keeps what
+    /// is finished; the page is answered until it has.
+    pub fn serve(&self, stop: &dyn Fn() -> Option<StopReason>) {
         let server = Server::new(Arc::clone(&self.site));
         std::thread::scope(|threads| {
             threads.spawn(|| server.accept(&self.listener));
-            while !stop() {
-                std::thread::sleep(TICK);
-            }
-            self.site.jobs.close();
+            let why = loop {
+                match stop() {
+                    Some(why) => break why,
+                    None => std::thread::sleep(TICK),
+                }
+            };
+            self.site.jobs.close(why);
             let since = Instant::now();
             while self.site.jobs.busy() && since.elapsed() < GRACE {
                 std::thread::sleep(TICK);

@@ -37,7 +37,7 @@ async function folder() {
   list("datas", state.data, item(openData));
   list("results", state.results, result => {
     const li = made("li");
-    const how = result.ended + (result.stopped ? ", stopped by you" : "") + (result.laws.length ? ": " + result.laws.join(", ") : "");
+    const how = result.ended + (result.stopped ? ", stopped early" : "") + (result.laws.length ? ": " + result.laws.join(", ") : "");
     li.append(link(result.name, showResult), made("div", result.title), made("div", how, { className: "soft" }), made("div", new Date(1000 * result.time).toLocaleString(), { className: "soft" }));
     return li;
   });
@@ -253,7 +253,7 @@ function working(job) {
   $("bar").hidden = !job.running;
   $("bar").value = job.fraction;
   const stopped = job.ended && job.ended.stopped;
-  $("line").textContent = job.running ? took + ", " + (job.stopping ? "stopping; " : "") + job.activity : what + (stopped ? ": stopped by you after " : ": ") + took;
+  $("line").textContent = job.running ? took + ", " + (job.stopping ? "stopping; " : "") + job.activity : what + (stopped ? ": stopped after " : ": ") + took;
   if (job.running) $("answer-name").textContent = what;
   if (job.ended && page.job !== job.job) {
     page.job = job.job;

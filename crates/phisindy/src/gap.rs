@@ -83,23 +83,24 @@ impl Gap {
 
     /// The result as `phisindy gap` prints it; the work took so many seconds.
     pub fn written(&self, format: Format, seconds: f64) -> String {
-        self.report(seconds).written(format)
+        self.report(seconds, StopReason::Interrupt).written(format)
     }
 
     /// The files that `phisindy gap --out` keeps.
     pub fn folder(&self, seconds: f64) -> Folder {
-        self.folder_of(seconds, &[])
+        self.folder_of(seconds, &[], StopReason::Interrupt)
     }
 
-    /// The same of a command line with these words, which the report shows as what repeats it.
-    pub fn folder_of(&self, seconds: f64, words: &[&str]) -> Folder {
+    /// The same of a command line with these words, which the report shows as what repeats it; if the observer
+    /// stopped the work, it says why.
+    pub fn folder_of(&self, seconds: f64, words: &[&str], why: StopReason) -> Folder {
         let arguments = words.iter().map(|&word| word.to_owned()).collect();
         let how = Invocation { arguments, ..Invocation::default() };
-        Folder::of_gap(&self.report(seconds), &how)
+        Folder::of_gap(&self.report(seconds, why), &how)
     }
 
-    fn report(&self, seconds: f64) -> GapReport<'_> {
-        let stopped = self.stopped().then_some(StopReason::Interrupt);
+    fn report(&self, seconds: f64, why: StopReason) -> GapReport<'_> {
+        let stopped = self.stopped().then_some(why);
         let ending = Ending { seconds, stopped };
         GapReport { input: self.loaded.input(), gap: &self.result, catalogue: self.laws.laws(), ending }
     }

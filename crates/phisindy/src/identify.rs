@@ -153,23 +153,24 @@ impl Identified {
 
     /// The result as `phisindy run` prints it; the work took so many seconds.
     pub fn written(&self, format: Format, seconds: f64) -> String {
-        self.report(seconds).written(format)
+        self.report(seconds, StopReason::Interrupt).written(format)
     }
 
     /// The files that `phisindy run --out` keeps.
     pub fn folder(&self, seconds: f64) -> Folder {
-        self.folder_of(seconds, &[])
+        self.folder_of(seconds, &[], StopReason::Interrupt)
     }
 
-    /// The same of a command line with these words, which the report shows as what repeats it.
-    pub fn folder_of(&self, seconds: f64, words: &[&str]) -> Folder {
+    /// The same of a command line with these words, which the report shows as what repeats it; if the observer
+    /// stopped the work, it says why.
+    pub fn folder_of(&self, seconds: f64, words: &[&str], why: StopReason) -> Folder {
         let arguments = words.iter().map(|&word| word.to_owned()).collect();
         let how = Invocation { arguments, ..Invocation::default() };
-        Folder::of_run(&self.report(seconds), self.loaded.input(), &self.result, &how)
+        Folder::of_run(&self.report(seconds, why), self.loaded.input(), &self.result, &how)
     }
 
-    fn report(&self, seconds: f64) -> RunReport<'_> {
-        let stopped = self.stopped().then_some(StopReason::Interrupt);
+    fn report(&self, seconds: f64, why: StopReason) -> RunReport<'_> {
+        let stopped = self.stopped().then_some(why);
         RunReport::new(self.loaded.input(), &self.result, Ending { seconds, stopped })
     }
 

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use tempfile::NamedTempFile;
 
-/// Serves the page until Ctrl-C, and returns the exit code.
+/// Serves the page until a signal or a limit ends it, and returns the exit code.
 ///
 /// # Errors
 /// There is no such file or folder, or the port is taken.
@@ -23,6 +23,7 @@ pub(crate) fn open(args: &OpenArgs, options: &Options) -> Result<u8> {
     let request = Request { assignments: vec![], seed: None, ..options.request() };
     let page = Page::open(&folder, first.as_deref(), args.port, request)
         .with_context(|| format!("cannot work in `{shown}`"))?;
+    interrupt::ask_for_work(page.work());
     print(&format!("{}\n", page.url()))?;
     if !options.quiet {
         remark(&format!("the page works in `{shown}`; end it with Ctrl-C, nothing is lost"));
@@ -34,8 +35,9 @@ pub(crate) fn open(args: &OpenArgs, options: &Options) -> Result<u8> {
     if wanted && !opened && !options.quiet {
         remark("no browser could be started: open the address above in one");
     }
-    page.serve(&interrupt::requested);
-    Ok(0)
+    page.serve(&interrupt::reason);
+    interrupt::tell();
+    Ok(interrupt::code())
 }
 
 /// The working folder, and the name of the file in it to begin with.
