@@ -788,8 +788,9 @@ fn go_leads_from_a_data_file_to_a_report() {
             format!("{t},{}\n", (-0.1 * t).exp() * (3.0 * t).cos() + 1e-4 * (f64::from(k) * 12.9898).sin())
         })
         .collect();
-    std::fs::write(scratch.path("rig.csv"), format!("t/s,x/m\n{rows}")).expect("a data file");
-    let (data, out) = (scratch.path("rig.csv"), scratch.path("found"));
+    // Its draft is not in the place of a result.
+    std::fs::write(scratch.path("completed.csv"), format!("t/s,x/m\n{rows}")).expect("a data file");
+    let (data, out) = (scratch.path("completed.csv"), scratch.path("found"));
     let said = phisindy(&["go", &data, "--out", &out, "--limit", "3min"]);
     assert!(said.code < 2, "{}{}", said.out, said.err);
     assert!(said.err.contains("EDIT"), "{}", said.err);

@@ -94,6 +94,8 @@ pub(super) fn remove_parts(path: &Path) {
         let number = name.as_encoded_bytes().strip_prefix(start.as_encoded_bytes());
         let number = number.and_then(|rest| rest.strip_suffix(PART.as_bytes()));
         if number.is_some_and(|n| !n.is_empty() && n.iter().all(|b| b.is_ascii_digit() || *b == b'-'))
+            // A pipe would be waited for.
+            && entry.file_type().is_ok_and(|kind| kind.is_file() || kind.is_dir())
             // Held while it is removed. Windows opens no folders: there a folder is left where it is.
             && let Ok(lock) = File::open(entry.path())
             && !lock.is_taken()
