@@ -43,8 +43,8 @@ pub(crate) fn listen(limit: Limit, keeps: bool) {
     }
 }
 
-/// A file that grows beyond a limit is an error of its write, as a full disk is; by itself the system would end
-/// the program.
+/// A file that grows beyond a limit is an error of its write, as a full disk is; by itself the system would
+/// end the program.
 pub(crate) fn outlast_the_limit_of_files() {
     #[cfg(unix)]
     let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, Arc::default());

@@ -155,7 +155,8 @@ pub(crate) enum Unwritten {
 
 /// What names of files end with that are not whole yet.
 const PART: &str = ".part";
-/// What they hold that begins with this process: in two containers with one folder it may have the same number.
+/// The part of their names that tells this process: in two containers with one folder programs may have the
+/// same number.
 static OWN: LazyLock<String> = LazyLock::new(|| {
     format!(".{}-{}-", std::process::id(), RandomState::new().build_hasher().finish() as u32)
 });

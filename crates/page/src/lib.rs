@@ -95,8 +95,8 @@ impl Page {
         move || site.jobs.busy()
     }
 
-    /// Answers requests until `stop` says why to end. Work that is under way is then asked to end, and keeps what
-    /// is finished; the page is answered until it has.
+    /// Answers requests until `stop` says why to end. Work that is under way is then asked to end, and keeps
+    /// what is finished; the page is answered until it has.
     pub fn serve(&self, stop: &dyn Fn() -> Option<StopReason>) {
         let server = Server::new(Arc::clone(&self.site));
         std::thread::scope(|threads| {

@@ -23,7 +23,8 @@ pub(crate) fn command(args: &GoArgs, options: &Options) -> Result<u8> {
         PathBuf::from(name)
     };
     let out = options.out.clone().unwrap_or_else(|| named("-found"));
-    // The result has an `identified.ron` of its own, and some systems do not tell large letters from small ones.
+    // The result has an `identified.ron` of its own, and some systems take `Identified.ron`
+    // for the same name.
     let of_result = |name: &Path| Folder::may_hold(&name.to_string_lossy().to_lowercase());
     let draft = Some(named(".ron")).filter(|name| !of_result(name)).unwrap_or_else(|| named("-spec.ron"));
     let spec = out.join(draft);

@@ -312,7 +312,8 @@ fn axes(args: &SweepArgs, case: &Case, method: Method) -> Result<Vec<Axis>> {
         let parts: Vec<&str> = set.path.split('.').collect();
         if let ["data", _, "seed"] = parts[..] {
             bail!(
-                "--vary {}: each run has a seed of its own: choose how many with --seeds, and the first with --seed",
+                "--vary {}: each run has a seed of its own: choose how many with --seeds, \
+                 and the first with --seed",
                 set.path
             );
         }

@@ -37,8 +37,8 @@ pub fn try_to_write(folder: &Path) -> io::Result<()> {
     fs::remove_file(&part)
 }
 
-/// Begins a file or a folder under a name of its own beside `path`. It is locked as long as what `create` returned
-/// lives.
+/// Begins a file or a folder under a name of its own beside `path`. It is locked as long as what `create`
+/// returned lives.
 ///
 /// # Errors
 /// The path has no last name, or the folder cannot be written.
