@@ -192,3 +192,29 @@ fn powers_of_units_that_are_none_are_told() {
         assert_eq!(Unit::parse(text).unwrap_err().to_string(), due);
     }
 }
+
+#[test]
+fn times_and_inertias_have_units_of_their_own() {
+    let spec = |time: &str, inertia: &str| {
+        format!(
+            r#"(constants: {{ "m": (1.0, "kg"), "J": (1.0, "kg*m^2"), "d": (1.0, "N*s/m"), "k": (1.0, "N/m"), "n": 2.0 }}, states: {{ "x": "m", "v": "m/s" }},
+            known: {{ "x": "v", "v": "-k*x/m" }}, inertia: {{ "v": "{inertia}" }},
+            data: [Csv(path: "a.csv", time: ("t", "{time}"), columns: {{ "x": "x" }})])"#
+        )
+    };
+    for good in ["s", "ms", "us", "min"] {
+        assert_eq!(mistakes(&spec(good, "m")), [""; 0], "{good}");
+    }
+    for none in ["kg", "Hz", "deg", "%", "m/s"] {
+        let said = mistakes(&spec(none, "m"));
+        assert!(said.len() == 1 && said[0].starts_with(&format!("`{none}` is no unit of time")), "{said:?}");
+    }
+    // A number without a unit may stand for any.
+    for good in ["m", "n*m"] {
+        assert_eq!(mistakes(&spec("s", good)), [""; 0], "{good}");
+    }
+    for wrong in ["d", "J", "m*x", "0", "-2.5"] {
+        let said = mistakes(&spec("s", wrong));
+        assert!(said.len() == 1 && said[0].contains("inertia"), "{wrong}: {said:?}");
+    }
+}

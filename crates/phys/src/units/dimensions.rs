@@ -110,9 +110,18 @@ impl<'s> Survey<'s> {
                 ));
             }
         }
-        let speeds = spec.contacts.iter().chain(spec.places.iter().map(|(_, text)| text));
-        for text in spec.inertia.iter().map(|(_, text)| text).chain(speeds) {
+        for text in spec.contacts.iter().chain(spec.places.iter().map(|(_, text)| text)) {
             self.measure(text);
+        }
+        // Times the square of its speed an inertia is an energy: kg for m/s, kg*m^2 for rad/s.
+        let energy = Measure::Fixed(Form::known(Dimension::NEWTON.mul(Dimension::METRE)));
+        for (name, text) in &spec.inertia {
+            let (due, is) = (energy.times(&self.of(name), -2.0), self.measure(text));
+            if let Some((due, is)) = self.differ(&due, &is) {
+                let missing = self.suggestion(&due, &is);
+                let what = ("the inertia of", "what stands here");
+                self.mistakes.push(self.words.assigned(what, name, text, [&due, &is], missing));
+            }
         }
         let products = self.products();
         for data in &spec.data {

@@ -5,7 +5,7 @@ use super::record::quantity_names;
 use crate::system::equations::System;
 use crate::system::plan::{Origin, RecordPlan};
 use crate::text::spec::{CsvSpec, DataSpec, Spec};
-use crate::units::unit::Unit;
+use crate::units::unit::{Dimension, Unit};
 use std::collections::HashMap;
 
 impl Checker {
@@ -20,6 +20,14 @@ impl Checker {
             self.error(format!("`{}` leads out of the data folder", csv.path.value), csv.path.span, "")
                 .help
                 .push("name the file alone, and its folder with --data".into());
+        }
+        if let Some(unit) = &csv.time.unit {
+            let theirs = self.unit(unit).dimension;
+            if theirs != Dimension::SECOND {
+                self.error(format!("`{}` is no unit of time", unit.value), unit.span, "")
+                    .help
+                    .push("times stand in \"s\", \"ms\", \"us\", \"min\", \"h\", ...".into());
+            }
         }
         let names = quantity_names(system);
         for (name, column) in &csv.columns {

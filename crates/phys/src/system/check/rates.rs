@@ -84,6 +84,10 @@ impl Checker {
         }
         self.per_state("inertia", &spec.inertia, spec, |checker, k, text| {
             inertia[k] = checker.expression(text, &allowed);
+            if inertia[k].and_then(|own| checker.graph.value(own)).is_some_and(|own| own <= 0.0) {
+                let message = format!("an inertia is positive, and `{}` is not", text.value);
+                checker.error(message, text.span, "").help.push("a force over it is an acceleration".into());
+            }
         });
         mechanism.inertia.iter().for_each(|&(k, own)| inertia[k] = Some(own));
         for k in 0..states.len() {
