@@ -120,6 +120,11 @@ impl<'s, 'a> Ending<'s, 'a> {
             Status::Described if none.is_some_and(|p| p > 0.5) => Status::Undetermined,
             other => other,
         };
+        // What was stopped was not compared with all that could do as well.
+        let status = match status {
+            Status::Explained | Status::Described if self.interrupted() => Status::Undetermined,
+            other => other,
+        };
         let (mut steps, mut partial) =
             if status == Status::Unexplained { split_substantial(steps) } else { (steps, vec![]) };
         // An approximation is not named as what is missing.

@@ -41,7 +41,7 @@ mod usage;
 pub use data_file::{DataFile, ReadSeek, unreadable};
 pub use draft::{Draft, NoDraft};
 pub use headings::{Heading, Quantity};
-pub use question::{Answers, CountUnit, Counted, Question};
+pub use question::{Answers, CountUnit, Counted, OPEN_QUESTION, Question};
 pub use records::RecordDraft;
 pub use remarks::Remark;
 pub use roles::{Doubt, Input, NoMotion, Roles, Selector};

@@ -3,6 +3,9 @@
 use crate::headings::{ACCELERATIONS, Heading, Quantity};
 use std::fmt;
 
+/// What stands before a question that is open, in the comment at the head of a draft.
+pub const OPEN_QUESTION: &str = "QUESTION: ";
+
 /// What a draft has to know and the file does not say. A search before it is answered would be one on an
 /// invention.
 #[derive(Clone, Debug, PartialEq)]

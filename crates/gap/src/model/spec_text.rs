@@ -315,7 +315,9 @@ pub(crate) fn expression(applied: &Applied) -> String {
     let effect = &applied.effect;
     let (at, name) = (&effect.place.at, applied.names.first().map_or("", String::as_str));
     if let Site::Constant { stated } = effect.place.site {
-        return format!("{at} is not {stated:?}");
+        // Digits that a person reads.
+        let stated: f64 = format!("{stated:.4e}").parse().unwrap_or(stated);
+        return format!("the spec says {stated:?}");
     }
     if effect.is_input_delay() {
         // The law's own number: the constant of the spec, the delay of the record, is its negative.

@@ -2,7 +2,7 @@
 
 use super::literals::four_digits;
 use crate::draft::Draft;
-use crate::question::Question;
+use crate::question::{OPEN_QUESTION, Question};
 use crate::roles::Input;
 use std::fmt::Write;
 
@@ -12,7 +12,7 @@ pub(super) fn head(draft: &Draft, file: &str, next: &str) -> Vec<String> {
         "Written by `phisindy new {file}`. Look at the lines marked EDIT, then type: phisindy {} {next}",
         super::next_step(draft)
     );
-    let asked = |question: &Question| format!("QUESTION: {question} ({})", question.edit());
+    let asked = |question: &Question| format!("{OPEN_QUESTION}{question} ({})", question.edit());
     let mut lines: Vec<String> = draft.questions.iter().map(asked).collect();
     lines.extend([first, String::new(), sampling(draft, file), String::new()]);
     lines.extend(columns(draft));

@@ -10,6 +10,7 @@ use crate::laws::Catalogue;
 use crate::loaded::{Laws, Loaded, NotWritten, checked};
 use phisindy_expr::Span;
 use phisindy_gap::requested_formulas;
+use phisindy_import::OPEN_QUESTION;
 use phisindy_phys::spec::{ColumnSpec, CsvSpec, InputSpec, Number, Role, Text};
 use phisindy_phys::{
     Case, Diagnostic, Note, Origin, Record, RecordPlan, Severity, SourceId, Sources, Table, Units,
@@ -81,6 +82,7 @@ pub fn load_text(
     let (parsed, case) = match checked(&text, source) {
         Ok((parsed, case, warnings)) => {
             found.extend(warnings);
+            found.extend(open_questions(&text, source));
             (parsed, case)
         }
         Err(mistakes) => {
@@ -124,6 +126,17 @@ pub fn load_text(
         }
         None => Ok(loaded),
     }
+}
+
+/// The questions of a draft that nobody has answered: what the spec says there is a guess.
+fn open_questions(text: &str, source: SourceId) -> Vec<Diagnostic> {
+    let asked = text.match_indices(OPEN_QUESTION).map(|(at, _)| {
+        let end = text[at..].find('\n').map_or(text.len(), |length| at + length);
+        Diagnostic::warning("a question of this draft is open: what stands for its answer is a guess")
+            .at(source, Span::new(at, end), "")
+            .help("answer it in the spec, or by an option of `phisindy new`, and delete this line")
+    });
+    asked.collect()
 }
 
 /// Reads a spec and all its records, for [`Loaded::identify`] and [`Loaded::gap`]. What is odd about them is

@@ -4,7 +4,7 @@ use super::outcome::{NOISE, basis, outcome, sensitivity};
 use crate::format::capital;
 use crate::table::{raised, short, with_error};
 use crate::terminal::unicode;
-use phisindy_gap::{Alternative, DISCOVERED, Gap, Status, Step, StepParameter, Warning};
+use phisindy_gap::{Alternative, CHANGED, DISCOVERED, Gap, Status, Step, StepParameter, Warning};
 
 /// Most parameters of one effect in the sentence; the others stand in its table.
 const NUMBERS: usize = 2;
@@ -28,6 +28,21 @@ pub(crate) fn finding(found: &Gap) -> Finding {
     let all: Vec<String> = found.steps.iter().map(effect).collect();
     let fall = fall(before, after);
     let which = basis(found);
+    // What was not compared explains nothing, and nothing speaks against it.
+    if found.interrupted() && found.status != Status::NothingMissing {
+        let so_far = match all.is_empty() {
+            true => format!("a gap of {} times the noise is left {which}", short3(after)),
+            false => format!(
+                "{} {} the gap {which} from {} to {} times the noise, not yet compared with all other laws",
+                joined(&all),
+                if all.len() == 1 { "brings" } else { "bring" },
+                short3(before),
+                short3(after)
+            ),
+        };
+        let sentence = format!("The search was stopped before its end. So far {so_far}.");
+        return Finding { headline: "Stopped before the end", sentence };
+    }
     match found.status {
         Status::NothingMissing => {
             Finding { headline: "Nothing missing", sentence: capital(&outcome(found)) + "." }
@@ -113,6 +128,7 @@ pub(crate) fn effect(step: &Step) -> String {
         None if step.effect.entry.id == DISCOVERED => {
             format!("the force {} at {at}{numbers}", unicode::expression(&step.expression, &[]))
         }
+        None if step.effect.entry.id == CHANGED => format!("another value of {at}{numbers}"),
         None => format!("{} at {at}{numbers}", step.effect.entry.law.name),
     }
 }

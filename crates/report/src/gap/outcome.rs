@@ -22,6 +22,12 @@ pub(crate) fn outcome(found: &Gap) -> String {
             let to = if noise { " to their noise" } else { limit(found) };
             format!("the model explains the data{to} (gap {}{sensitive})", short(last))
         }
+        Status::Undetermined if found.interrupted() => format!(
+            "the search ended before it was done: the gap {} went from {} to {} so far",
+            basis(found),
+            short(before),
+            short(last)
+        ),
         Status::Explained | Status::Described | Status::Undetermined => {
             let why = match sensitivity(found) {
                 words if !words.is_empty() => words,

@@ -22,7 +22,9 @@ pub(crate) fn page(report: &GapReport<'_>, invocation: &Invocation) -> Page {
     let balances: Vec<Option<Balance>> =
         found.steps.iter().map(|s| balance(found, s, input.records)).collect();
     if found.status == Status::Unexplained {
-        next::add(&mut page, &next::after_unexplained(input.name));
+        let stopped = found.interrupted().then(|| next::after_stop(input.name));
+        let steps: Vec<String> = stopped.into_iter().chain(next::after_unexplained(input.name)).collect();
+        next::add(&mut page, &steps);
     }
     first_screen(&mut page, found, &seen, &balances);
     page.section("All laws that were tried", leaderboard(found, catalogue));

@@ -67,6 +67,11 @@ pub(crate) fn title_of(text: &str) -> Option<String> {
     text.lines().find_map(field).filter(|title| !title.is_empty() && !title.contains('\\'))
 }
 
+/// What to do first where the search was stopped.
+pub(crate) fn after_stop(spec: &str) -> String {
+    format!("Let it go to its end: `phisindy gap {spec}`, or give it more time with `--limit`.")
+}
+
 /// What to do where no law explains.
 pub(crate) fn after_unexplained(spec: &str) -> Vec<String> {
     [
