@@ -9,6 +9,20 @@ pub(crate) const FEWEST: usize = 10;
 /// Most samples of a record: a fit evaluates each of them about a thousand times.
 const MOST: usize = 2_000_000;
 
+/// Seconds before a window of which its inputs are read: as late as any sensor is taken for (`sensor-delay`).
+const LEAD: f64 = 1.0;
+
+/// Where a row lies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Admission {
+    /// In the record.
+    Inside,
+    /// Shortly before its window.
+    Before,
+    /// Elsewhere.
+    Outside,
+}
+
 /// Receives the rows of a file in order and keeps those of the record.
 pub(crate) struct Selection<'a> {
     csv: &'a CsvSpec,
@@ -46,17 +60,35 @@ impl<'a> Selection<'a> {
 
     /// Whether a row that `rows` selects lies in the run and the window of the record; `time` is in seconds,
     /// whatever the unit of the file.
-    pub(crate) fn admits(&mut self, time: f64) -> bool {
+    pub(crate) fn admits(&mut self, time: f64) -> Admission {
         self.counted += 1;
         if let Some(wanted) = &self.csv.run {
             self.run += u64::from(self.previous.replace(time).is_some_and(|before| time < before));
             if self.run != wanted.value {
-                return false;
+                return Admission::Outside;
             }
         }
         let extent = self.table.extent.get_or_insert((time, time));
         *extent = (extent.0.min(time), extent.1.max(time));
-        self.csv.window.as_ref().is_none_or(|(a, b)| (a.value..=b.value).contains(&time))
+        let Some((from, to)) = &self.csv.window else { return Admission::Inside };
+        if (from.value..=to.value).contains(&time) {
+            return Admission::Inside;
+        }
+        // Means of rows have times of their own.
+        let lead = (from.value - LEAD..from.value).contains(&time) && self.csv.decimate.is_none();
+        if lead && self.table.time.is_empty() { Admission::Before } else { Admission::Outside }
+    }
+
+    /// Keeps a row shortly before the window; one whose time is not later ends what is known of it.
+    pub(crate) fn push_before(&mut self, time: f64, row: &[f64]) {
+        let (times, columns) = &mut self.table.before;
+        if times.last().is_some_and(|last| time <= *last) {
+            times.clear();
+            columns.clear();
+        }
+        columns.resize(row.len(), vec![]);
+        times.push(time);
+        columns.iter_mut().zip(row).for_each(|(column, x)| column.push(*x));
     }
 
     /// Keeps an admitted row; `time` and `row` are in SI, `number` is its line in the file.

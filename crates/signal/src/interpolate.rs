@@ -104,6 +104,8 @@ pub struct Signal {
     /// Slopes at the samples for `Cubic` (the spline in Hermite form), empty otherwise.
     slopes: Vec<f64>,
     kind: Interpolation,
+    /// What it was before its first sample, if that is known.
+    before: Option<Arc<Signal>>,
 }
 
 impl Signal {
@@ -122,12 +124,39 @@ impl Signal {
             Interpolation::Cubic => spline_slopes(&time, &values),
             Interpolation::Hold | Interpolation::Linear => Vec::new(),
         };
-        Ok(Self { time, values, slopes, kind })
+        Ok(Self { time, values, slopes, kind, before: None })
+    }
+
+    /// The same signal, known before its first sample too: at these times, all of them earlier.
+    ///
+    /// # Errors
+    /// As [`Signal::new`].
+    ///
+    /// ```
+    /// use std::sync::Arc;
+    /// use phisindy_signal::{Interpolation, Signal};
+    ///
+    /// let window = Signal::new(Arc::from([2.0, 3.0]), vec![4.0, 9.0], Interpolation::Linear)?;
+    /// let known = window.clone().preceded(&[0.0, 1.0], &[0.0, 1.0])?;
+    /// assert_eq!((window.value(1.0), known.value(1.0), known.value(1.5), known.value(2.5)), (-1.0, 1.0, 2.5, 6.5));
+    /// assert_eq!(known.values(), [4.0, 9.0]);
+    /// # Ok::<(), phisindy_signal::SignalError>(())
+    /// ```
+    pub fn preceded(self, time: &[f64], values: &[f64]) -> Result<Self, SignalError> {
+        if time.is_empty() {
+            return Ok(self);
+        }
+        // Up to the first sample, so that nothing jumps there.
+        let time = time.iter().chain(&self.time[..1]).copied().collect();
+        let values = values.iter().chain(&self.values[..1]).copied().collect();
+        let before = Signal::new(time, values, self.kind)?;
+        Ok(Self { before: Some(Arc::new(before)), ..self })
     }
 
     /// The signal shifted to times earlier by `by`.
     pub fn earlier(&self, by: f64) -> Signal {
-        Signal { time: self.time.iter().map(|t| t - by).collect(), ..self.clone() }
+        let before = self.before.as_ref().map(|before| Arc::new(before.earlier(by)));
+        Signal { time: self.time.iter().map(|t| t - by).collect(), before, ..self.clone() }
     }
 
     /// The time grid.
@@ -168,6 +197,9 @@ impl Signal {
         *hint = i;
         if t.is_nan() {
             return (f64::NAN, f64::NAN);
+        }
+        if let Some(before) = self.before.as_ref().filter(|_| t < self.time[0]) {
+            return before.value_and_slope(t, &mut NO_HINT.clone());
         }
         if last == 0 {
             return (self.values[0], 0.0);

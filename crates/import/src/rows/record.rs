@@ -10,7 +10,7 @@ use crate::clock::Clock;
 use crate::contradictions::{StatedColumn, swapped_columns, unit_contradiction};
 use crate::data_file::DataFile;
 use crate::refusal::Wanted;
-use crate::selection::{FEWEST, Selection, SelectionError};
+use crate::selection::{Admission, FEWEST, Selection, SelectionError};
 use phisindy_phys::spec::{CsvSpec, Spanned, Text};
 use phisindy_phys::unit::{Scale, Unit};
 use phisindy_phys::{Diagnostic, SourceId, Sources, Table, Units};
@@ -216,8 +216,13 @@ impl Reader<'_> {
         };
         self.check_line_end(&line, fields.last());
         // Values outside the window are not parsed: records often have bad rows at their ends.
-        if !self.selection.admits(seconds) {
-            return Ok(());
+        match self.selection.admits(seconds) {
+            Admission::Inside => {}
+            Admission::Before => {
+                self.row_before(&line, &fields, seconds);
+                return Ok(());
+            }
+            Admission::Outside => return Ok(()),
         }
         if csv.omits_missing && self.layout.columns.iter().any(|&k| self.lacks(&line, &fields[k])) {
             self.selection.omit();
@@ -236,6 +241,16 @@ impl Reader<'_> {
         kept.map_err(|e| Box::new(self.selection_error(&e)))?;
         self.last = Some(now);
         Ok(())
+    }
+
+    /// Reads a row shortly before the window, if it holds numbers.
+    fn row_before(&mut self, line: &Line, fields: &[Range<usize>], seconds: f64) {
+        let read: Option<Vec<f64>> = (0..self.columns.len())
+            .map(|j| Some(self.number(line, fields, self.layout.columns[j], self.columns[j]).ok()?.1))
+            .collect();
+        if let Some(row) = read {
+            self.selection.push_before(seconds, &row);
+        }
     }
 
     /// Whether a field holds no measured value: no entry, or a number that is not finite.

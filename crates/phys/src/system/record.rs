@@ -91,6 +91,8 @@ pub struct Table {
     pub extent: Option<(f64, f64)>,
     /// Rows that were left out because a value is missing (`missing: Omit`).
     pub omitted: usize,
+    /// Times shortly before the window, and the columns there: what drove the rig then.
+    pub before: (Vec<f64>, Vec<Vec<f64>>),
 }
 
 /// Fewer samples than this are no record.
@@ -147,13 +149,23 @@ impl Record {
         let own =
             |(k, (name, _)): (usize, (&str, &str))| column(name).filter(|_| system.column(name) == Some(k));
         let columns = system.quantities().take(system.columns()).enumerate().map(own).collect();
+        // The inputs begin before the window: a sensor that is late shows what they did there.
+        let lead = table.before.0.len();
+        let whole: Arc<[f64]> = table.before.0.iter().chain(time.iter()).copied().collect();
         let mut raw: Vec<Option<Vec<f64>>> = Vec::new();
+        let mut leads: Vec<Vec<f64>> = Vec::new();
         for (k, input) in system.inputs.iter().enumerate() {
             let sensor = &plan.sensors[system.columns() + k];
-            let seen = |values| sensor.corrected(&time, values, plan.interpolation[k]);
-            raw.push(
-                column(&input.name).map(seen).transpose().map_err(|e| vec![no_signal(&input.name, &e)])?,
-            );
+            let seen = |values| sensor.corrected(&whole, values, plan.interpolation[k]);
+            let all = csv.columns.iter().position(|(n, _)| n.value == input.name).map(|k| {
+                let before = table.before.1.get(k).map_or(&[][..], Vec::as_slice);
+                before.iter().chain(&table.columns[k]).copied().collect()
+            });
+            let all = all.map(seen).transpose().map_err(|e| vec![no_signal(&input.name, &e)])?;
+            let mut all = all.unwrap_or_default();
+            let own = if all.is_empty() { None } else { Some(all.split_off(lead)) };
+            leads.push(all);
+            raw.push(own);
         }
         let (mut notes, mut derivations) = (Vec::new(), Vec::new());
         for (k, of) in plan.derived.iter().enumerate().filter_map(|(k, of)| of.map(|of| (k, of))) {
@@ -161,6 +173,11 @@ impl Record {
                 let d = differentiated(&time, source, plan.differentiators[k]).map_err(|d| vec![d])?;
                 let (input, of_name) = (system.inputs[k].name.clone(), system.inputs[of].name.clone());
                 notes.push(Note::DerivedInput { input, of: of_name, smoothing: d.smoothing });
+                let all: Vec<f64> = leads[of].iter().chain(source).copied().collect();
+                if lead > 0 {
+                    let d = differentiated(&whole, &all, plan.differentiators[k]).map_err(|d| vec![d])?;
+                    (leads[k], leads[of]) = (d.derivative[..lead].to_vec(), d.values[..lead].to_vec());
+                }
                 let column = raw[of].replace(d.values).unwrap_or_default();
                 derivations.push(Derivation { input: k, of, column });
                 raw[k] = Some(d.derivative);
@@ -172,6 +189,7 @@ impl Record {
             let values =
                 values.ok_or_else(|| vec![Diagnostic::error(format!("input `{name}` has no data"))])?;
             let signal = Signal::new(time.clone(), values, plan.interpolation[k]);
+            let signal = signal.and_then(|signal| signal.preceded(&table.before.0, &leads[k]));
             inputs.push(signal.map_err(|e| vec![no_signal(name, &e)])?);
         }
         let constants = plan.constants.iter().filter_map(Value::number).collect();
