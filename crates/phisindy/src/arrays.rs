@@ -109,7 +109,8 @@ fn measured(
         values.iter().map(|x| scale.converted(*x)).collect()
     });
     let extent = time.first().copied().zip(time.last().copied());
-    let table = Table { time: time.to_vec(), columns: si.collect(), lines: vec![], extent, ..Table::default() };
+    let table =
+        Table { time: time.to_vec(), columns: si.collect(), lines: vec![], extent, ..Table::default() };
     phys::Record::from_table(plan, &table, &case.system, source)
 }
 

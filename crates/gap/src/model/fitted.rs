@@ -183,7 +183,9 @@ impl Fitted {
             let rise = power(joint, noise, &fits).0 - power(&self.cal, noise, &fits).0;
             let (left, samples) = power(joint, noise, &validates);
             let left = left - self.power_of_input_errors(joint, noise);
-            self.score.predictive = Some(((left + rise.max(0.0)) / samples.max(1) as f64).sqrt());
+            let within = ((left + rise.max(0.0)) / samples.max(1) as f64).sqrt();
+            // Allowing for errors takes away from a gap, and adds nothing to it.
+            self.score.predictive = self.score.validate.map(|gap| gap.min(within));
         }
         self
     }
