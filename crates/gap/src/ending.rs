@@ -19,7 +19,7 @@ use crate::result::verdict::{bent, helpful, refused, status};
 use crate::result::{
     Activity, Alternative, Cancelling, ColumnGap, ColumnRepeat, Gap, GapError, InputError, InputNoise,
     MissingForce, Named, NotTried, PlacedLaw, RecordValue, Region, Rival, Simulated, Status, Step,
-    StepParameter, StopReason, Tried, Veto, Warning, observed_ranges, regions,
+    StepParameter, StopReason, Tried, Veto, Vetoed, Warning, observed_ranges, regions,
 };
 use crate::search::{Round, SEARCHED, Search, Searched, placed, refitted, round_from};
 use crate::sensor_linearity::sensor_nonlinearity;
@@ -102,6 +102,7 @@ impl<'s, 'a> Ending<'s, 'a> {
         self.warnings.extend(warning);
         let (status, determined) = self.doubts(status);
         let (status, alternative) = self.other_explanations(status, repeats, determined)?;
+        let determined = self.doubts_of_the_rest(status, determined);
         let found = |a: &Applied| a.effect.entry.id == DISCOVERED;
         let status = match status {
             Status::Explained if self.last.model.effects.iter().any(found) => Status::Described,
@@ -259,6 +260,21 @@ impl<'s, 'a> Ending<'s, 'a> {
         self.warnings.extend(cancelling.map(Warning::Cancelling));
         self.warnings.extend(curve.map(|(_, curve)| Warning::SensorNonlinearity(curve)));
         (Status::Unexplained, determined)
+    }
+
+    /// The number of effects that are free of doubt where some were dropped: the others have other numbers now.
+    fn doubts_of_the_rest(&mut self, status: Status, determined: usize) -> usize {
+        if status != Status::Unexplained {
+            return determined;
+        }
+        let late = vetoed(&self.last);
+        let first = late.iter().map(|(k, _)| *k).min().unwrap_or(determined);
+        let told = |v: &Vetoed| {
+            self.warnings.iter().any(|w| matches!(w, Warning::Vetoed(told) if told.law == v.law))
+        };
+        let new: Vec<Vetoed> = late.into_iter().map(|(_, v)| v).filter(|v| !told(v)).collect();
+        self.warnings.extend(new.into_iter().map(Warning::Vetoed));
+        determined.min(first)
     }
 
     /// Tests other explanations: fixed constants of the spec, a drive at another frequency, noise of inputs.

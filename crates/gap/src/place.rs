@@ -80,6 +80,19 @@ impl Place {
         matches!(self.site, Site::Force { on_base: true, .. })
     }
 
+    /// Whether what it reads is the speed of something that moves, as far as the spec says: not a pressure, a current or
+    /// a temperature. Those have flows and drops, but nothing that rubs.
+    pub(crate) fn is_of_motion(&self, system: &System) -> bool {
+        let Site::Force { state: Some(state), .. } = self.site else { return true };
+        let own = &system.states[state];
+        let dimension = Unit::parse(&own.unit).map_or(Dimension::NONE, |u| u.dimension);
+        let speed = [Dimension::METRE, Dimension::NONE].map(|of| of.div(Dimension::SECOND));
+        own.unit.is_empty()
+            || system.inertia[state].is_some()
+            || displacement(system, state).is_some()
+            || speed.contains(&dimension)
+    }
+
     /// Converts a unit of a law, times newtons to the power `newtons`, to the units of the place. A law is
     /// written in newtons and metres; the model may use volts, radians, or forces per mass.
     pub(crate) fn unit(&self, unit: &str, newtons: f64, system: &System) -> String {

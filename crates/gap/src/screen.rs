@@ -20,7 +20,7 @@ use crate::decisions::{
 use crate::model::TrialModel;
 
 use crate::constraint;
-use crate::place::{Effect, Site, fits, known_forces, needs};
+use crate::place::{Effect, Site, known_forces, needs};
 use crate::result::{NotTried, WhyNot};
 use faer::Mat;
 use free_columns::{FreeColumns, Movable};
@@ -451,7 +451,7 @@ fn effects(model: &TrialModel, catalogue: &[LawEntry]) -> Vec<Effect> {
     let loads = model.loads();
     let mut all = Vec::new();
     for entry in catalogue {
-        for place in model.places().iter().filter(|p| fits(&entry.law, p)) {
+        for place in model.places().iter().filter(|p| model.takes(&entry.law, p)) {
             let start =
                 entry.law.parameters.iter().map(|(_, p)| 0.0_f64.clamp(p.within.0, p.within.1)).collect();
             let plain = Effect {

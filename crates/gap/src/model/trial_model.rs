@@ -1,11 +1,12 @@
 //! The model of a spec with effects added to its graph, and the records as that system sees them.
 
-use crate::place::{Effect, EffectError, Place, Quantity, Site, bindings, places};
+use crate::place::{Effect, EffectError, Place, Quantity, Site, bindings, fits, places};
 use phisindy_expr::Id;
 use phisindy_phys::spec::{ConstantSpec, DataSpec, Movable, Number, Role, Spec};
 use phisindy_phys::unit::Unit;
 use phisindy_phys::{
-    Case, Contact, Record, RecordPlan, Sensor, SensorParameter, SourceId, System, check_names, takes_units,
+    Case, Contact, Law, Record, RecordPlan, Sensor, SensorParameter, SourceId, System, check_names,
+    takes_units,
 };
 use phisindy_sim::Stop;
 use rayon::prelude::*;
@@ -431,6 +432,11 @@ impl TrialModel {
     /// Where laws can act.
     pub(crate) fn places(&self) -> &[Place] {
         &self.given.places
+    }
+
+    /// Whether a law can act at a place: friction where something moves.
+    pub(crate) fn takes(&self, law: &Law, place: &Place) -> bool {
+        fits(law, place) && (law.family != "friction" || place.is_of_motion(&self.system))
     }
 
     /// Record constants that can load friction: positive forces that differ between records and are not used

@@ -3,7 +3,7 @@
 use super::task::Search;
 use crate::decisions::{FITTED_IN_FULL, LEADERS, NEUTRAL, SEEDED_STRIDE, STARTS_WITH_MEMORY};
 use crate::model::{Fitted, TrialModel, current, values};
-use crate::place::{Effect, Place, Site, fits, is_force};
+use crate::place::{Effect, Place, Site, is_force};
 use crate::screen::{Candidate, Screening, excludes, sibling_starts};
 use phisindy_phys::LawEntry;
 use rayon::prelude::*;
@@ -64,7 +64,7 @@ impl Search<'_> {
         }
         let cost = |d: &TrialModel| d.segment_cost(self.noise, 1).unwrap_or(f64::INFINITY);
         let here = cost(&leader.model);
-        let free = |p: &&Place| fits(law, p) && p.at != last.place.at;
+        let free = |p: &&Place| model.takes(law, p) && p.at != last.place.at;
         let family: Vec<Effect> =
             family(self.catalogue, &last.entry).map(|entry| relative(last, entry)).collect();
         model

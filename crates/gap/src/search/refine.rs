@@ -5,7 +5,7 @@ use super::task::Search;
 use crate::decisions::{MOST_EFFECTS, NEAR_NOISE, RACE, SAME_GAP, SIMPLER};
 use crate::evidence::against;
 use crate::model::{Fitted, Measure, TrialModel, current};
-use crate::place::{Effect, Site, fits};
+use crate::place::{Effect, Site};
 use crate::screen::{excludes, sibling_starts};
 use phisindy_learn::Effort;
 use rayon::prelude::*;
@@ -22,7 +22,8 @@ impl Search<'_> {
             let base = now.model.without_effects();
             let relocations = |k: usize| {
                 let own = &effects[k];
-                let free = base.places().iter().filter(|p| fits(&own.entry.law, p) && p.at != own.place.at);
+                let free =
+                    base.places().iter().filter(|p| base.takes(&own.entry.law, p) && p.at != own.place.at);
                 free.map(|p| Effect { place: p.clone(), ..own.clone() }).collect::<Vec<_>>()
             };
             let trials: Vec<Vec<Effect>> = (0..effects.len())
