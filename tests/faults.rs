@@ -155,7 +155,7 @@ fn what_is_no_file_is_refused_and_not_waited_for() {
     refused(&check(&scratch), &["it is a folder", "name a file in it"]);
     let said = phisindy(&["check", &scratch.path("")]);
     assert!(said.code == 2 && said.err.contains("it is a folder"), "{}", said.err);
-    refused(&phisindy(&["check", "/dev/zero"]), &["pipe or a device"]);
+    refused(&phisindy(&["check", "/dev/zero"]), &["longer than 1 MiB"]);
     // A spec is read no further than a spec can be long.
     let long = scratch.path("long.ron");
     File::create(&long).and_then(|file| file.set_len(1 << 40)).expect("a file");

@@ -104,9 +104,12 @@ impl Rig {
     }
 }
 
+/// Law, place, and some of its numbers.
+type Due<'a> = (&'a str, &'a str, &'a [(&'a str, f64)]);
+
 /// Asserts the steps: law, place, and some of its numbers within 3 %.
 #[track_caller]
-fn holds(found: &Value, steps: &[(&str, &str, &[(&str, f64)])]) {
+fn holds(found: &Value, steps: &[Due<'_>]) {
     assert_eq!(found["status"], "explained", "{found}");
     let all = found["steps"].as_array().expect("steps");
     assert_eq!(all.len(), steps.len(), "{found}");
@@ -132,7 +135,7 @@ fn a_number_that_changed_is_named() {
 #[test]
 fn two_numbers_that_changed_are_named() {
     let both = Rig { friction: 0.8 * STATED.friction, stiffness: 0.97 * STATED.stiffness, ..STATED };
-    let due: [(&str, &str, &[(&str, f64)]); 2] =
+    let due: [Due<'_>; 2] =
         [("changed-constant", "Fc", &[("Fc", 0.88)]), ("changed-constant", "k", &[("k", 601.4)])];
     holds(&both.searched("changed_both"), &due);
 }
@@ -158,7 +161,7 @@ fn a_body_that_hangs_on_the_slider_is_found_with_the_drag_between_them() {
     let plain = Rig { body: Some([0.3, 90.0, 0.5, 0.0]), ..STATED };
     holds(&plain.searched("body"), &[("hanging-body", "v", &[("m", 0.3), ("k", 90.0)])]);
     let drag = Rig { body: Some([0.4, 70.0, 0.1, 6.0]), ..STATED };
-    let due: [(&str, &str, &[(&str, f64)]); 2] =
+    let due: [Due<'_>; 2] =
         [("hanging-body", "v", &[("m", 0.4), ("k", 70.0)]), ("quadratic-drag", "v-w", &[("d", 6.0)])];
     holds(&drag.searched("body_drag"), &due);
 }

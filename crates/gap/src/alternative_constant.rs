@@ -48,7 +48,7 @@ pub(crate) fn alternative_constant(
     let fewer = subsets(&effects, last.score.is_white());
     let constants: Vec<(Effect, TrialModel)> = changeable(&base.given.spec)
         .into_iter()
-        .filter_map(|c| base.with(&c).ok().map(|free| (c, free.as_base())))
+        .filter_map(|c| base.with(&c).ok().map(|free| (c, free.into_base())))
         .collect();
     let price = (last.cal.samples as f64).ln();
     let mut fitted = lowest_cost(last, &constants, &fewer, price, noise);

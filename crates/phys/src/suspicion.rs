@@ -265,8 +265,7 @@ mod tests {
             time,
             columns: vec![x, v],
             lines: vec![],
-            extent: None,
-            omitted: 0,
+            ..Default::default()
         };
         let record = Record::from_table(&case.records[0], &table, &case.system, id).unwrap();
         (case.system, record)

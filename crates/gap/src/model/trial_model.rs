@@ -359,7 +359,7 @@ impl TrialModel {
     }
 
     /// This model as the one that is believed complete.
-    pub(crate) fn as_base(self) -> TrialModel {
+    pub(crate) fn into_base(self) -> TrialModel {
         TrialModel { effects: vec![], base: None, ..self }
     }
 

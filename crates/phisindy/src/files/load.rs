@@ -18,6 +18,7 @@ use phisindy_phys::{
 };
 use phisindy_signal::{Interpolation, Signal, strongest_line};
 use phisindy_sim::{SyntheticError, Trajectory, synthesize};
+use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
@@ -220,10 +221,12 @@ pub fn spec_text(path: &Path) -> Result<String, Diagnostic> {
 /// What the reader of specs takes, and a byte more, by which it sees that there is too much.
 const LONGEST: u64 = (1 << 20) + 1;
 
-/// The bytes of a plain file, as far as they can be a spec.
+/// The bytes of a plain file, as far as they can be a spec, or of what a shell hands over (`/dev/stdin`, `<(...)`). Of
+/// another pipe nobody may ever write the end.
 pub fn start_of(path: &Path) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
-    open_plain_file(path)?.take(LONGEST).read_to_end(&mut bytes)?;
+    let file = if path.starts_with("/dev") { File::open(path)? } else { open_plain_file(path)? };
+    file.take(LONGEST).read_to_end(&mut bytes)?;
     Ok(bytes)
 }
 

@@ -219,8 +219,7 @@ mod tests {
             time: time.clone(),
             columns,
             lines: vec![],
-            extent: None,
-            omitted: 0,
+            ..Default::default()
         };
         let record = Record::from_table(&case.records[0], &table, &case.system, id).unwrap();
         let mut found = vec![];
