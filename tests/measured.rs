@@ -194,9 +194,11 @@ fn no_false_alarm_about_data() {
         let said = phisindy(&["new", path.to_str().expect("UTF-8"), "--out", &spec]);
         assert_eq!(said.code, 0, "{file}: {}", said.err);
         let said = phisindy(&["check", &spec, "--data", folder.to_str().expect("UTF-8")]);
+        // A question of the draft is no alarm about the data.
+        let told = alarms + said.err.matches("a question of this draft is open").count();
         assert_eq!(
             (said.code, said.err.matches("warning").count()),
-            (0, alarms + usize::from(alarms > 0)),
+            (0, told + usize::from(told > 0)),
             "{file}: {}",
             said.err
         );

@@ -47,7 +47,16 @@ fn made(name: &str, content: &[u8]) -> (Scratch, String, Outcome) {
 fn checked(scratch: &Scratch, text: &str) {
     let spec = scratch.path("rig.ron");
     let said = phisindy(&["check", &spec]);
-    assert_eq!((said.code, said.err), (0, format!("{spec}: no mistakes\n")), "{text}");
+    // A question of the draft stays open until somebody answers it.
+    let open = text.matches("// QUESTION: ").count();
+    assert_eq!(said.err.matches("a question of this draft is open").count(), open, "{text}\n{}", said.err);
+    let last = said.err.lines().last().unwrap_or_default();
+    let due = match open {
+        0 => format!("{spec}: no mistakes"),
+        1 => format!("{spec}: no mistakes, 1 warning"),
+        n => format!("{spec}: no mistakes, {n} warnings"),
+    };
+    assert_eq!((said.code, last, said.err.matches("warning: ").count()), (0, due.as_str(), open), "{text}");
 }
 
 #[track_caller]

@@ -244,7 +244,7 @@ fn a_cutoff_is_found_beside_the_friction_and_its_spec_runs_again() {
 /// A friction tester is all outputs: it has inputs and a force, and nothing that moves by itself.
 #[test]
 fn a_model_without_states_has_an_answer() {
-    let folder = folder("outputs-tester");
+    let folder = folder("outputs-tester-2");
     let row = |k: u32| {
         let t = f64::from(k) * 0.005;
         let noise = 0.2 * (f64::from(k) * 12.9898).sin();
