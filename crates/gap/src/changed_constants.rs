@@ -4,11 +4,16 @@
 use crate::decisions::{CHANGES_KEPT, CONSTANT_OFF, MOST_CHANGED, SIMPLER, SUBSTANTIAL, WORTH};
 use crate::model::{Fitted, Measure, TrialModel};
 use crate::place::{Effect, Place, Site};
+use crate::result::{Activity, StopReason};
+use crate::search::{Search, Searched, round_from};
 use phisindy_learn::Effort;
 use phisindy_phys::LawEntry;
 use phisindy_phys::spec::{ConstantSpec, Spec, Text};
 use phisindy_phys::unit::Unit;
 use rayon::prelude::*;
+
+/// Part of the work that is done when the constants are asked.
+const CHANGED_ASKED: f64 = 0.85;
 
 /// The id of the law that is no law: a constant of the spec has another value.
 pub const CHANGED: &str = "changed-constant";
@@ -44,14 +49,29 @@ fn changed(name: &str, stated: f64, unit: &str) -> Option<Effect> {
     })
 }
 
+impl Search<'_> {
+    /// The search with constants of the spec that changed in the place of what it found, if they say more.
+    pub(crate) fn with_changed_constants(&mut self, searched: Searched) -> Searched {
+        let complete = searched.last.score.explains() && searched.last.model.effects.is_empty();
+        if complete
+            || searched.stop == StopReason::Interrupted
+            || self.observer.tell(CHANGED_ASKED, Activity::Constants)
+        {
+            return searched;
+        }
+        let Searched { base, candidates, .. } = &searched;
+        let Some((changed, others)) = changed_constants(&searched.last, self.noise, *candidates) else {
+            return searched;
+        };
+        let rounds = vec![round_from(0, base, &changed, &others, vec![], *candidates)];
+        Searched { last: changed, rounds, stop: StopReason::White, needed: vec![], ..searched }
+    }
+}
+
 /// The model in which a few constants of the spec have other values and nothing is added, and those with other
 /// constants that explain the data too. `None` unless it explains the data and says more than `last`. Constants are
 /// freed one after the other beside the few choices that leave least.
-pub(crate) fn changed_constants(
-    last: &Fitted,
-    noise: &[Vec<f64>],
-    candidates: usize,
-) -> Option<(Fitted, Vec<Fitted>)> {
+fn changed_constants(last: &Fitted, noise: &[Vec<f64>], candidates: usize) -> Option<(Fitted, Vec<Fitted>)> {
     let base = last.model.without_effects();
     let all = changeable(&base.given.spec);
     let mut least = f64::INFINITY;

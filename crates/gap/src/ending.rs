@@ -1,7 +1,6 @@
 //! The end of the workflow: the verdict on the model of a search, doubts, other explanations, the result.
 
 use crate::alternative_constant::alternative_constant;
-use crate::changed_constants::changed_constants;
 use crate::data_mistakes::data_mistakes;
 use crate::decisions::{REPEATS, SAME_FREQUENCY, SUBSTANTIAL};
 use crate::drive::Drive;
@@ -21,7 +20,7 @@ use crate::result::{
     MissingForce, Named, NotTried, PlacedLaw, RecordValue, Region, Rival, Simulated, Status, Step,
     StepParameter, StopReason, Tried, Veto, Vetoed, Warning, observed_ranges, regions,
 };
-use crate::search::{Round, SEARCHED, Search, Searched, placed, refitted, round_from};
+use crate::search::{Round, SEARCHED, Search, Searched, placed, refitted};
 use crate::sensor_linearity::sensor_nonlinearity;
 use crate::spec_mistakes::spec_mistake;
 use phisindy_learn::{Effort, FoundParameter, at_bounds, sensitive_starts};
@@ -93,7 +92,6 @@ impl<'s, 'a> Ending<'s, 'a> {
 
     /// The result.
     pub(crate) fn finished(mut self, text: &str, repeat: Vec<ColumnRepeat>) -> Result<Gap, GapError> {
-        self.changed_constants()?;
         let redrawn = self.redraw_inputs()?;
         let open = self.coarse_inputs()?;
         let floor = self.search.floor.max(open);
@@ -180,25 +178,6 @@ impl<'s, 'a> Ending<'s, 'a> {
     /// Whether the work is to end.
     fn interrupted(&self) -> bool {
         self.stop == StopReason::Interrupted || self.search.observer.stopped()
-    }
-
-    /// Goes on with constants of the spec that changed, if they say more than the laws that were found.
-    fn changed_constants(&mut self) -> Result<(), GapError> {
-        let complete = self.last.score.explains() && self.last.model.effects.is_empty();
-        if complete || self.interrupted() {
-            return Ok(());
-        }
-        self.search.observer.tell(0.92, Activity::Constants);
-        let Some((changed, others)) = changed_constants(&self.last, &self.noise, self.candidates) else {
-            return Ok(());
-        };
-        self.rounds = vec![round_from(0, &self.base, &changed, &others, vec![], self.candidates)];
-        self.path = path(&self.base, &changed, &self.noise);
-        self.last = with_errors(changed, &self.noise)?;
-        self.path.push(self.last.clone());
-        self.stop = StopReason::White;
-        (self.force, self.needed) = (None, vec![]);
-        Ok(())
     }
 
     /// Draws the inputs between their samples in the way that explains the data, if there is one; returns it.

@@ -93,6 +93,7 @@ impl Search<'_> {
     /// if there is one that explains the data: beside the model as it is, else beside the effects that were
     /// found.
     pub(crate) fn described(&mut self, searched: Searched) -> Searched {
+        let searched = self.with_changed_constants(searched);
         let explained = self.explained(&searched.last);
         let done = explained && !doubted(&searched.last, &searched.needed, self.noise);
         let ended = matches!(searched.stop, StopReason::Interrupted | StopReason::CoarseInput);

@@ -8,6 +8,6 @@ pub struct HeldConstant {
     /// As in the spec.
     pub name: String,
     /// By how many per cent each number that was found moves if the constant is one per cent larger;
-    /// not finite for a number that is zero.
+    /// not finite for a number that is not told from zero.
     pub moves: Vec<(Quantity, f64)>,
 }

@@ -13,11 +13,13 @@ use faer::Mat;
 use phisindy_phys::System;
 
 /// How each of the unknowns `numbers` moves with each constant; `freed` has these as parameters after its own.
-/// Empty where the model cannot be run with one of them as a number.
+/// Empty where the model cannot be run with one of them as a number; not a number for one that `near_zero` says is not
+/// told from zero.
 pub(crate) fn elasticities(
     freed: &System,
     fit: &Fit<'_>,
     numbers: &[(usize, Quantity)],
+    near_zero: &dyn Fn(usize) -> bool,
 ) -> Vec<HeldConstant> {
     let own = &fit.problem;
     let Ok(mut problem) = Problem::new(freed, &own.terms, &own.records, &fit.pieces) else { return vec![] };
@@ -39,8 +41,11 @@ pub(crate) fn elasticities(
         let right: Vec<f64> =
             (0..n).map(|i| if free(i) { -normal.matrix[(at(i), first + j)] } else { 0.0 }).collect();
         let moved = solve_damped(&matrix, &right, PROFILE_DAMPING)?;
-        let of = |(k, number): &(usize, Quantity)| (number.clone(), moved[*k] * p.start / fit.x[*k]);
-        let moves = numbers.iter().map(of).collect();
+        let of = |(i, (k, number)): (usize, &(usize, Quantity))| {
+            let part = if near_zero(i) { f64::NAN } else { moved[*k] * p.start / fit.x[*k] };
+            (number.clone(), part)
+        };
+        let moves = numbers.iter().enumerate().map(of).collect();
         Some(HeldConstant { name: p.name.clone(), moves })
     };
     held.iter().enumerate().filter_map(of).collect()

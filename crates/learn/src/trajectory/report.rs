@@ -118,6 +118,13 @@ pub(crate) fn report(
         fits[r].noise = noise_of(fit, i);
     }
     let numbers: Vec<usize> = named.iter().map(|(k, _)| *k).collect();
+    let covariance = with_scatter(bars.covariance(&numbers), &numbers, variance);
+    // A share of a number that is not told from zero says nothing.
+    let near_zero = |i: usize| {
+        let error = covariance.get(i).map_or(f64::NAN, |row| row[i].sqrt());
+        let (low, high) = Estimate::normal(fit.x[numbers[i]], error).ci95;
+        low <= 0.0 && high >= 0.0
+    };
     let freed = case.with_constants.as_deref().filter(|_| fitted && !ends && !fit.problem.chained);
     Identified {
         method: Method::Trajectory,
@@ -128,8 +135,8 @@ pub(crate) fn report(
         noise_model: noise_model(fit),
         remainder,
         horizon,
-        held: freed.map_or(vec![], |freed| elasticities(freed, fit, &named)),
-        covariance: with_scatter(bars.covariance(&numbers), &numbers, variance),
+        held: freed.map_or(vec![], |freed| elasticities(freed, fit, &named, &near_zero)),
+        covariance,
         late: None,
         deviance: fit.deviance(),
         warnings,

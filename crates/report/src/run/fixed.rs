@@ -160,7 +160,9 @@ pub(crate) fn moves(all: &[FixedValue]) -> Vec<Vec<String>> {
     let heading = ["with 1 % more".to_owned()].into_iter();
     let mut rows = vec![heading.chain(first.moves.iter().map(|m| m.of.clone())).collect::<Vec<String>>()];
     let row = |h: &&FixedValue| -> Vec<String> {
-        let cells = h.moves.iter().map(|m| format!("{:+.2} %", m.percent));
+        let shown =
+            |m: &Move| if m.percent.is_finite() { format!("{:+.2} %", m.percent) } else { "-".to_owned() };
+        let cells = h.moves.iter().map(shown);
         [h.name.clone()].into_iter().chain(cells).collect()
     };
     rows.extend(told.iter().map(row));
