@@ -332,6 +332,15 @@ impl<'s, 'a> Ending<'s, 'a> {
         Ok((status, alternative))
     }
 
+    /// By how much later effects lowered the criterion of the model with which a round ended.
+    fn gained_since(&self, round: &Round) -> f64 {
+        let all = self.last.model.effects.len();
+        let later = self.rounds.iter().map(|r| r.before).filter(|before| *before > round.before);
+        let then = &self.path[later.min().unwrap_or(all).min(all)].score;
+        let by = Measure::of([then, &self.last.score], self.candidates);
+        by.criterion(then) - by.criterion(&self.last.score)
+    }
+
     /// The report of the `k`-th effect.
     fn step(&self, k: usize) -> Step {
         let applied = &self.last.model.effects[k];
@@ -342,10 +351,8 @@ impl<'s, 'a> Ending<'s, 'a> {
         // A law that the final model contains is no rival.
         let other = |r: &&Rival| !r.laws.iter().all(|law| own.contains(law));
         let rivals: Vec<Rival> = round.map_or(vec![], |r| r.rivals.iter().filter(other).cloned().collect());
-        // A rival that holds the law too says nothing against it.
-        let law = &own[k];
-        let without = rivals.iter().filter(|r| !r.laws.contains(law));
-        let against: f64 = without.map(|r| (-0.5 * r.delta_bic).exp()).sum();
+        let rivals = rivals_of_the_answer(rivals, &own[k], round.map_or(0.0, |r| self.gained_since(r)));
+        let against: f64 = rivals.iter().map(|r| (-0.5 * r.delta_bic).exp()).sum();
         let discovered = applied.effect.entry.id == DISCOVERED;
         let numbers = values(&self.last, &applied.names, &applied.effect.start);
         Step {
@@ -364,6 +371,14 @@ impl<'s, 'a> Ending<'s, 'a> {
             vetoed: round.map_or(vec![], |r| r.vetoed.clone()),
         }
     }
+}
+
+/// The rivals of a law, beside the final model. One that holds the law and more was an answer to what was left then: later
+/// effects have left it behind. Of one without the law nobody knows how it would do beside these.
+fn rivals_of_the_answer(mut rivals: Vec<Rival>, law: &PlacedLaw, gained_since: f64) -> Vec<Rival> {
+    rivals.iter_mut().filter(|r| r.laws.contains(law)).for_each(|r| r.delta_bic += gained_since);
+    rivals.sort_by(|a, b| a.delta_bic.total_cmp(&b.delta_bic));
+    rivals
 }
 
 /// The frequency of the drive (rad/s), where every Fit record is a periodic motion at this one.
@@ -507,4 +522,25 @@ fn parameters(last: &Fitted, applied: &Applied) -> Vec<StepParameter> {
         Some(StepParameter { name, constant: constant.clone(), value, ci95, unit: found.unit.clone(), each })
     };
     own.filter_map(of).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Where a richer model does better than the answer, the answer is not all; once the answer has more effects, what was
+    /// an alternative to the next one is none any more.
+    #[test]
+    fn a_rival_that_holds_the_law_counts_against_the_final_model() {
+        let law = |id: &str| PlacedLaw { law: id.into(), name: id.into(), at: "v".into() };
+        let rivals = || {
+            let richer = Rival { laws: vec![law("maxwell"), law("quintic")], delta_bic: -8.0 };
+            vec![richer, Rival { laws: vec![law("bouc-wen")], delta_bic: 3.0 }]
+        };
+        let deltas = |gained: f64| -> Vec<f64> {
+            rivals_of_the_answer(rivals(), &law("maxwell"), gained).iter().map(|r| r.delta_bic).collect()
+        };
+        assert_eq!(deltas(0.0), [-8.0, 3.0]);
+        assert_eq!(deltas(500.0), [3.0, 492.0]);
+    }
 }
