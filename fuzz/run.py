@@ -13,7 +13,7 @@ import subprocess
 import sys
 
 TOP = pathlib.Path(__file__).resolve().parent.parent
-TARGETS = ["expression", "spec", "check", "csv", "format", "splice", "law", "routes", "journal", "gap", "border"]
+TARGETS = ["expression", "spec", "check", "csv", "format", "splice", "law", "routes", "journal", "gap", "arrays"]
 # What cargo-fuzz gives the compiler without a sanitizer: no nightly toolchain is needed for it.
 FLAGS = ["--cfg", "fuzzing", "-Cdebug-assertions", "-Coverflow-checks", "-Cpasses=sancov-module"] + [f"-Cllvm-args={flag}" for flag in (
     "-sanitizer-coverage-level=4", "-sanitizer-coverage-inline-8bit-counters", "-sanitizer-coverage-pc-table", "-sanitizer-coverage-trace-compares",
@@ -61,7 +61,7 @@ def corpus(target: str) -> pathlib.Path:
         "routes": requests(),
         "journal": journals(),
         "gap": bare_laws,
-        "border": columns(),
+        "arrays": columns(),
     }[target]
     for k, seed in enumerate(seeds):
         (folder / f"seed-{k}").write_bytes(seed)
@@ -104,7 +104,7 @@ def journals() -> list[bytes]:
 
 
 def columns() -> list[bytes]:
-    """Inputs of fuzz/src/border.rs: a case, records of columns (name, rows, kind of numbers), and what is set in them."""
+    """Inputs of fuzz/src/arrays.rs: a case, records of columns (name, rows, kind of numbers), and what is set in them."""
     time, x, v, force = bytes([0, 30, 0]), bytes([1, 30, 1]), bytes([2, 30, 1]), bytes([3, 30, 1])
     plain = [bytes([3]) + time + x + v, bytes([4]) + time + x + v + force, bytes([2]) + time + x, bytes([3]) + time + x + bytes([4, 30, 2, 9]), bytes([2]) + bytes([0, 30, 3, 29, 8]) + x]
     dress = [bytes([0, 0, 0]), bytes([1, 5, 1, 1, 0]) + b'{ "x": 1.0, "v": 0.0 }\0', bytes([0, 0, 2, 1]) + b'{ "x": (gain: Find(start: 1.0, within: (0.5, 2.0))) }\0' + bytes([7]) + b'noise\0Additive(0.1)\0']

@@ -3,6 +3,7 @@
 
 mod border;
 // `blind` belongs to the tests of the other program.
+mod causes;
 #[allow(dead_code)]
 mod common;
 mod contributions;
@@ -10,7 +11,6 @@ mod determinism;
 mod export;
 mod faults;
 mod files;
-mod finder;
 mod formula;
 mod gap;
 mod identified;

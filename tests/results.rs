@@ -60,18 +60,23 @@ fn signalled(child: &mut Child, signals: &[&str]) {
     }
 }
 
+/// What a command says that a signal ends, with the code for that.
+#[track_caller]
+fn ended(arguments: &[&str], signal: &str) -> String {
+    let mut child = program(arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("starts");
+    signalled(&mut child, &[signal]);
+    let said = child.wait_with_output().expect("ends");
+    let err = String::from_utf8_lossy(&said.stderr).into_owned();
+    assert_eq!(said.status.code(), Some(130), "{signal}: {err}");
+    err
+}
+
 #[test]
 fn every_signal_keeps_what_was_found_and_marks_it() {
     for (signal, name) in [("-TERM", "SIGTERM"), ("-HUP", "SIGHUP"), ("-INT", "Ctrl-C")] {
         let scratch = Scratch::new("signal");
         let out = scratch.path("out");
-        let arguments = [LONG, &["--out", &out]].concat();
-        let mut child =
-            program(&arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("starts");
-        signalled(&mut child, &[signal]);
-        let said = child.wait_with_output().expect("ends");
-        let err = String::from_utf8_lossy(&said.stderr);
-        assert_eq!(said.status.code(), Some(130), "{signal}: {err}");
+        ended(&[LONG, &["--out", &out]].concat(), signal);
         let words = format!("topped by {name} before the end");
         for (path, bytes) in files(&scratch.0.join("out")) {
             let text = String::from_utf8(bytes).expect("text");
@@ -85,13 +90,7 @@ fn every_signal_keeps_what_was_found_and_marks_it() {
 fn a_page_that_waits_ends_by_a_signal_and_speaks_of_no_work() {
     for signal in ["-TERM", "-HUP", "-INT"] {
         let scratch = Scratch::new("page");
-        let arguments = ["open", "--no-open", &scratch.path("")];
-        let mut child =
-            program(&arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("starts");
-        signalled(&mut child, &[signal]);
-        let said = child.wait_with_output().expect("ends");
-        let err = String::from_utf8_lossy(&said.stderr);
-        assert_eq!(said.status.code(), Some(130), "{signal}: {err}");
+        let err = ended(&["open", "--no-open", &scratch.path("")], signal);
         assert!(!err.contains("the work ends"), "{err}");
     }
 }

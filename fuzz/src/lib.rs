@@ -4,19 +4,19 @@
 //! python3 fuzz/run.py all 2000000 1      corpus from specs/, then libFuzzer on each target, then a row of docs/robustness.md for each
 //! ```
 
-mod border;
+mod arrays;
 mod datafile;
+mod gap;
+mod journal;
 mod meter;
-mod page;
-mod search;
-mod sweep;
+mod routes;
 
-pub use border::border;
+pub use arrays::arrays;
 pub use datafile::{csv, format};
+pub use gap::gap;
+pub use journal::journal;
 pub use meter::{Limits, measured, measured_within};
-pub use page::routes;
-pub use search::gap;
-pub use sweep::journal;
+pub use routes::routes;
 
 use phisindy_expr::{Graph, Names, Scratch, Span, Symbol, Tape, parse};
 use phisindy_phys::{Diagnostic, Law, SourceId, Sources, splice};

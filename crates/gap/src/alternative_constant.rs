@@ -22,17 +22,6 @@ pub(crate) struct Instead {
     pub(crate) much_better: bool,
 }
 
-/// Whether a fixed constant of the spec explains the data where it is free, with nothing added.
-pub(crate) fn a_constant_explains(base: &Fitted, noise: &[Vec<f64>]) -> bool {
-    let model = base.model.without_effects();
-    let free: Vec<TrialModel> =
-        changeable(&model.given.spec).iter().filter_map(|c| model.with(c).ok()).collect();
-    let explains = |free: TrialModel| {
-        Fitted::new(free, noise, Effort::Plain).is_ok_and(|fitted| fitted.score.explains())
-    };
-    free.into_par_iter().map(explains).reduce(|| false, |a, b| a || b)
-}
-
 /// The best model in which one fixed constant of the spec is free and at least one effect fewer is needed. It
 /// must explain the data as well as `last` does, or explain them where `last` does not. A free constant in
 /// place of a single parameter is no finding: a missing spring and a stiffness that is too small are the same

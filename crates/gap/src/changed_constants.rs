@@ -50,28 +50,32 @@ fn changed(name: &str, stated: f64, unit: &str) -> Option<Effect> {
 }
 
 impl Search<'_> {
-    /// The search with constants of the spec that changed in the place of what it found, if they say more.
-    pub(crate) fn with_changed_constants(&mut self, searched: Searched) -> Searched {
+    /// The search with constants of the spec that changed in the place of what it found, if they say more; and whether
+    /// one constant alone explains the data, said or not.
+    pub(crate) fn with_changed_constants(&mut self, searched: Searched) -> (Searched, bool) {
         let complete = searched.last.score.explains() && searched.last.model.effects.is_empty();
         if complete
             || searched.stop == StopReason::Interrupted
             || self.observer.tell(CHANGED_ASKED, Activity::Constants)
         {
-            return searched;
+            return (searched, false);
         }
-        let Searched { base, candidates, .. } = &searched;
-        let Some((changed, others)) = changed_constants(&searched.last, self.noise, *candidates) else {
-            return searched;
-        };
-        let rounds = vec![round_from(0, base, &changed, &others, vec![], *candidates)];
-        Searched { last: changed, rounds, stop: StopReason::White, needed: vec![], ..searched }
+        let Searched { base, last, candidates, .. } = &searched;
+        let (all, mut fits) = changed_constants(last, self.noise);
+        let alone = fits.first().is_some_and(|f| f.model.effects.len() == 1);
+        if fits.first().is_none_or(|best| !is_finding(best, all, last, *candidates)) {
+            return (searched, alone);
+        }
+        let changed = fits.remove(0);
+        let rounds = vec![round_from(0, base, &changed, &fits, vec![], *candidates)];
+        (Searched { last: changed, rounds, stop: StopReason::White, needed: vec![], ..searched }, alone)
     }
 }
 
-/// The model in which a few constants of the spec have other values and nothing is added, and those with other
-/// constants that explain the data too. `None` unless it explains the data and says more than `last`. Constants are
-/// freed one after the other beside the few choices that leave least.
-fn changed_constants(last: &Fitted, noise: &[Vec<f64>], candidates: usize) -> Option<(Fitted, Vec<Fitted>)> {
+/// The number of constants of the spec, and the models in which a few of them have other values and nothing is added, as
+/// far as they explain the data, best first. Constants are freed one after the other beside the few choices that leave
+/// least; models with more of them than needed are not tried.
+fn changed_constants(last: &Fitted, noise: &[Vec<f64>]) -> (usize, Vec<Fitted>) {
     let base = last.model.without_effects();
     let all = changeable(&base.given.spec);
     let mut least = f64::INFINITY;
@@ -87,21 +91,17 @@ fn changed_constants(last: &Fitted, noise: &[Vec<f64>], candidates: usize) -> Op
         let fits = models.into_par_iter().filter_map(|m| Fitted::new(m, noise, Effort::Plain).ok());
         let mut fits: Vec<Fitted> = fits.collect();
         fits.sort_by(|a, b| a.score.fit.total_cmp(&b.score.fit));
-        let best = fits.first()?;
-        if best.score.explains() {
+        if fits.iter().any(|f| f.score.explains()) {
             fits.retain(|f| f.score.explains());
-            let best = fits.remove(0);
-            return is_finding(&best, all.len(), last, candidates).then_some((best, fits));
+            return (all.len(), fits);
         }
         // A choice that helps little is none.
-        if best.score.fit * SUBSTANTIAL > least {
-            return None;
-        }
+        let Some(best) = fits.first().filter(|f| f.score.fit * SUBSTANTIAL <= least) else { break };
         least = best.score.fit;
         fits.truncate(CHANGES_KEPT);
         from = fits.iter().map(Fitted::settled).collect();
     }
-    None
+    (all.len(), vec![])
 }
 
 /// The names of the constants that changed, in order.

@@ -190,7 +190,7 @@ decisions! {
     /// A model that explains a record has a smaller gap.
     EXPLAINED: f64 = 1.08, "of the noise", BLIND;
     /// The mean square of noise may be larger by this by chance.
-    CHANCE: f64 = 3.0, "standard deviations", Basis::Convention("three sigma; of n squares the standard deviation is sqrt(2/n) of their mean");
+    CHANCE: f64 = 3.0, "standard deviations", Basis::Convention("three sigma; the mean of n squares of noise has the standard deviation sqrt(2/n)");
     /// A larger gap on Fit records is far from the noise: more than one effect is missing.
     FAR_OFF: f64 = 2.0, "of the noise", BLIND;
     /// Price of a sensor property, the less plausible explanation where a force does as well.

@@ -17,7 +17,6 @@ mod scale;
 mod scope;
 mod shape;
 
-use crate::alternative_constant::a_constant_explains;
 use crate::decisions::{
     FORMULA_PASSES, FORMULAS_FITTED, RACE, REPEATS, RESPONSE_ERROR, RIVALS, SEARCHES_AGAIN, WORTH,
 };
@@ -93,7 +92,7 @@ impl Search<'_> {
     /// if there is one that explains the data: beside the model as it is, else beside the effects that were
     /// found.
     pub(crate) fn described(&mut self, searched: Searched) -> Searched {
-        let searched = self.with_changed_constants(searched);
+        let (searched, linear) = self.with_changed_constants(searched);
         let explained = self.explained(&searched.last);
         let done = explained && !doubted(&searched.last, &searched.needed, self.noise);
         let ended = matches!(searched.stop, StopReason::Interrupted | StopReason::CoarseInput);
@@ -103,7 +102,6 @@ impl Search<'_> {
         // A number of the model that is wrong is no law: most formulas would say the same with more words. A
         // spring or a damper beside a stiffness or a damping that is held is the same force, as it is among
         // the laws.
-        let linear = a_constant_explains(&searched.base, self.noise);
         let mut starts = vec![searched.base.clone()];
         if !explained && !searched.last.model.effects.is_empty() {
             starts.push(searched.last.clone());

@@ -101,9 +101,7 @@ impl Place {
             Site::Constant { .. } => return unit.to_owned(),
             // What acts is measured as the input is.
             Site::Input(inputs) => {
-                let force = parsed.dimension == Dimension::NEWTON && unit == "N";
-                let own = system.inputs[inputs[0]].unit.clone();
-                return if force { own } else { unit.to_owned() };
+                return if unit == "N" { system.inputs[inputs[0]].unit.clone() } else { unit.to_owned() };
             }
             _ => {}
         }

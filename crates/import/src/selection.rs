@@ -58,7 +58,7 @@ impl<'a> Selection<'a> {
         self.counted as f64 / self.csv.rate.as_ref().map_or(1.0, |rate| rate.value)
     }
 
-    /// Whether a row that `rows` selects lies in the run and the window of the record; `time` is in seconds,
+    /// Where a row that `rows` selects lies, by the run and the window of the record; `time` is in seconds,
     /// whatever the unit of the file.
     pub(crate) fn admits(&mut self, time: f64) -> Admission {
         self.counted += 1;

@@ -199,7 +199,8 @@ impl Signal {
             return (f64::NAN, f64::NAN);
         }
         if let Some(before) = self.before.as_ref().filter(|_| t < self.time[0]) {
-            return before.value_and_slope(t, &mut NO_HINT.clone());
+            let mut hint = NO_HINT;
+            return before.value_and_slope(t, &mut hint);
         }
         if last == 0 {
             return (self.values[0], 0.0);

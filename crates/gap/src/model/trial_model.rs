@@ -1,6 +1,6 @@
 //! The model of a spec with effects added to its graph, and the records as that system sees them.
 
-use crate::place::{Effect, EffectError, Place, Quantity, Site, bindings, fits, places};
+use crate::place::{Effect, EffectError, Place, Quantity, Site, fits, places};
 use phisindy_expr::Id;
 use phisindy_phys::spec::{ConstantSpec, DataSpec, Movable, Number, Role, Spec};
 use phisindy_phys::unit::Unit;
@@ -217,7 +217,8 @@ impl TrialModel {
     /// This model with a constant of the spec that is to be found: all effects are added anew to what the changed
     /// spec says.
     fn with_constant(&self, effect: &Effect) -> Result<TrialModel, EffectError> {
-        let at = || EffectError::UnknownName { law: effect.entry.id.clone(), name: effect.place.at.clone() };
+        let unknown =
+            || EffectError::UnknownName { law: effect.entry.id.clone(), name: effect.place.at.clone() };
         let base = self.without_effects();
         let effects = self.effects.iter().map(|a| &a.effect).chain([effect]);
         let (of_spec, others): (Vec<&Effect>, Vec<&Effect>) =
@@ -225,25 +226,22 @@ impl TrialModel {
         let mut spec = base.given.spec.clone();
         for e in &of_spec {
             let (_, own) =
-                spec.constants.iter_mut().find(|(name, _)| name.value == e.place.at).ok_or_else(at)?;
-            let ConstantSpec::Number { value, unit } = own.clone() else { return Err(at()) };
+                spec.constants.iter_mut().find(|(name, _)| name.value == e.place.at).ok_or_else(unknown)?;
+            let ConstantSpec::Number { value, unit } = own.clone() else { return Err(unknown()) };
             let factor = unit.as_ref().and_then(|u| Unit::parse(&u.value).ok()).map_or(1.0, |u| u.factor);
             let bound = |x: f64| Number { value: x / factor, ..value.clone() };
             let (low, high) = e.entry.law.parameters[0].1.within;
             let (within, span) = ((bound(low), bound(high)), value.span);
-            let movable = Movable { value, unit, within, sigma: None, each: false, span };
-            *own = ConstantSpec::Movable(movable);
+            *own = ConstantSpec::Movable(Movable { value, unit, within, sigma: None, each: false, span });
         }
-        let mut out = base.variant(spec).ok_or_else(at)?;
-        let starts = self.system.parameters.iter().map(|p| (p.name.clone(), p.start));
-        let starts: Vec<(String, f64)> = starts.chain(effect.beside.iter().cloned()).collect();
+        let mut out = base.variant(spec).ok_or_else(unknown)?;
         for e in others {
             out = out.with(e)?;
         }
-        let own = of_spec.iter().map(|e| (e.place.at.clone(), e.start[0]));
-        out = out.starting_at(
-            &own.chain(starts).chain([(effect.place.at.clone(), effect.start[0])]).collect::<Vec<_>>(),
-        );
+        let now = self.system.parameters.iter().map(|p| (p.name.clone(), p.start));
+        let own = (effect.place.at.clone(), effect.start[0]);
+        let starts: Vec<(String, f64)> = now.chain(effect.beside.iter().cloned()).chain([own]).collect();
+        out = out.starting_at(&starts);
         for e in of_spec {
             let parameters = (0..out.system.parameters.len())
                 .filter(|&k| out.system.parameters[k].name == e.place.at)
@@ -291,25 +289,15 @@ impl TrialModel {
             let columns = inputs.iter().filter(|j| own(j)).map(|j| first + j).collect();
             return self.set_sensor_parameter(applied, columns);
         }
-        let (effect, system) = (&applied.effect, &mut self.system);
-        let (law, id) = (&effect.entry.law, &effect.entry.id);
-        let of = law.nodes();
-        let (u, acts) = of.acting.ok_or_else(|| EffectError::NoForce(id.clone()))?;
+        let system = &mut self.system;
+        let numbers: Vec<_> = applied.parameters.iter().map(|&k| system.parameters[k].node).collect();
         let first = system.states.len() - applied.internal.len();
-        let mut nodes = bindings(effect, system)?;
-        let numbers = applied.parameters.iter().map(|&k| system.parameters[k].node);
-        nodes.extend(of.parameters.iter().copied().zip(numbers));
-        nodes.extend(of.internal.iter().copied().zip(system.states[first..].iter().map(|s| s.node)));
-        let roots: Vec<_> = [acts].into_iter().chain(of.rates.iter().copied()).collect();
+        let own: Vec<_> = system.states[first..].iter().map(|s| s.node).collect();
         let mut with = HashMap::new();
         for &j in inputs {
-            let own = system.inputs[j].node;
-            nodes.insert(u, own);
-            let made = system.graph.graft(&of.graph, &roots, &nodes).map_err(|symbol| {
-                EffectError::UnknownName { law: id.clone(), name: of.names.name(symbol).to_owned() }
-            })?;
-            with.insert(own, made[0]);
-            system.known[first..].copy_from_slice(&made[1..]);
+            let (acts, rates) = applied.effect.acting(j, system, &numbers, &own)?;
+            with.insert(system.inputs[j].node, acts);
+            system.known[first..].copy_from_slice(&rates);
         }
         let known = system.graph.replace(&system.known[..first], &with);
         system.known[..first].copy_from_slice(&known);

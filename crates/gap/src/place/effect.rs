@@ -173,26 +173,52 @@ impl Effect {
         parameters: &[Id],
         internal: &[Id],
     ) -> Result<(Id, Vec<Id>), EffectError> {
-        let law = &self.entry.law;
-        let of = law.nodes();
-        let mut with = bindings(self, system)?;
-        with.extend(of.parameters.iter().copied().zip(parameters.iter().copied()));
-        with.extend(of.internal.iter().copied().zip(internal.iter().copied()));
+        let of = self.entry.law.nodes();
         let force = if self.mirror { of.mirror } else { of.force };
-        let no_force = || EffectError::NoForce(self.entry.id.clone());
-        let roots: Vec<Id> = force.into_iter().chain(of.rates.iter().copied()).collect();
-        force.ok_or_else(no_force)?;
-        let nodes = system.graph.graft(&of.graph, &roots, &with).map_err(|symbol| {
-            EffectError::UnknownName { law: self.entry.id.clone(), name: of.names.name(symbol).to_owned() }
-        })?;
-        let mut force = nodes[0];
+        let (mut force, rates) = self.with_rates(force, system, parameters, internal)?;
         if let Some(load) = &self.load {
             let load = system
                 .quantity(load)
                 .ok_or_else(|| EffectError::UnknownName { law: self.entry.id.clone(), name: load.clone() })?;
             force = system.graph.mul(load, force);
         }
-        Ok((force, nodes[1..].to_vec()))
+        Ok((force, rates))
+    }
+
+    /// What acts in the place of an input, and the rates of the effect's internal states, as nodes of the system.
+    ///
+    /// # Errors
+    /// As [`Effect::force`].
+    pub(crate) fn acting(
+        &self,
+        input: usize,
+        system: &mut System,
+        parameters: &[Id],
+        internal: &[Id],
+    ) -> Result<(Id, Vec<Id>), EffectError> {
+        let place = Place { site: Site::Input(vec![input]), ..self.place.clone() };
+        let acts = self.entry.law.nodes().acting.map(|(_, acts)| acts);
+        Effect { place, ..self.clone() }.with_rates(acts, system, parameters, internal)
+    }
+
+    /// An expression of the law, and the rates of its internal states, as nodes of the system.
+    fn with_rates(
+        &self,
+        expression: Option<Id>,
+        system: &mut System,
+        parameters: &[Id],
+        internal: &[Id],
+    ) -> Result<(Id, Vec<Id>), EffectError> {
+        let of = self.entry.law.nodes();
+        let expression = expression.ok_or_else(|| EffectError::NoForce(self.entry.id.clone()))?;
+        let mut with = bindings(self, system)?;
+        with.extend(of.parameters.iter().copied().zip(parameters.iter().copied()));
+        with.extend(of.internal.iter().copied().zip(internal.iter().copied()));
+        let roots: Vec<Id> = [expression].into_iter().chain(of.rates.iter().copied()).collect();
+        let nodes = system.graph.graft(&of.graph, &roots, &with).map_err(|symbol| {
+            EffectError::UnknownName { law: self.entry.id.clone(), name: of.names.name(symbol).to_owned() }
+        })?;
+        Ok((nodes[0], nodes[1..].to_vec()))
     }
 
     /// The inertias of the bodies that the effect brings along, as nodes of the system, each with the internal state that

@@ -8,7 +8,7 @@ use super::grid::{between, geometric, grids};
 use super::regressors::{Axis, Regressors};
 use crate::decisions::{GRID_AXIS, GRID_GAPS, GRID_VALUES};
 use crate::motion::Motion;
-use crate::place::{Effect, Nodes, Place, Site, bindings, entered};
+use crate::place::{Effect, Nodes, Place, Site, entered};
 use crate::whiteness::mean_step;
 use phisindy_expr::{Id, Tape};
 use phisindy_phys::System;
@@ -54,7 +54,7 @@ pub(super) fn input_trials(
     for data in data {
         let moved = if late { &data.motion.slopes } else { &data.motion.inputs };
         let moved = |i: usize, j: usize| if all { 1.0 } else { moved[i * m + j] };
-        column.extend(slopes.response(data, &moved));
+        column.extend(slopes.response(data, &slopes.along(data), &moved));
     }
     vec![Trial { effect: effect.clone(), grid: vec![], columns: vec![column] }]
 }
@@ -77,13 +77,22 @@ impl<'a> InputSlopes<'a> {
         Some(InputSlopes { inputs, states: system.states.len(), tape })
     }
 
-    /// The response of a record to a change of its inputs, by sample and input.
-    fn response(&self, data: &RegressionData, moved: &dyn Fn(usize, usize) -> f64) -> Vec<f64> {
+    /// The slopes along a record.
+    fn along(&self, data: &RegressionData) -> Vec<Vec<f64>> {
+        evaluated(&self.tape, &data.motion, &[], &[])
+    }
+
+    /// The response of a record with these slopes to a change of its inputs, by sample and input.
+    fn response(
+        &self,
+        data: &RegressionData,
+        slopes: &[Vec<f64>],
+        moved: &dyn Fn(usize, usize) -> f64,
+    ) -> Vec<f64> {
         let (n, motion) = (self.states, &data.motion);
-        let values = evaluated(&self.tape, motion, &[], &[]);
         let change = |root: usize| -> Vec<f64> {
             let of = |i: usize| {
-                let part = |(k, &j): (usize, &usize)| values[root * self.inputs.len() + k][i] * moved(i, j);
+                let part = |(k, &j): (usize, &usize)| slopes[root * self.inputs.len() + k][i] * moved(i, j);
                 self.inputs.iter().enumerate().map(part).sum::<f64>()
             };
             (0..motion.samples()).map(of).collect()
@@ -97,76 +106,79 @@ impl<'a> InputSlopes<'a> {
         }
         data.zero_at_rest(&mut g);
         let mut rows = data.response(&g, &vec![0.0; n]);
-        let roots = self.tape.outputs() / self.inputs.len();
+        let roots = slopes.len() / self.inputs.len();
         let shown: Vec<Vec<f64>> = (n..roots).map(change).collect();
         data.add_to_outputs(&mut rows, &|output| shown.get(output).map(Vec::as_slice));
         rows
     }
 }
 
-/// What acts in the place of one input, over a grid of the law's numbers: sizes of the input, times of the record.
+/// What acts in the place of one input, over a grid of the law's numbers.
 fn acting_trials(
     effect: &Effect,
     input: usize,
     system: &System,
     data: &[RegressionData],
 ) -> Option<Vec<Trial>> {
-    let (law, mut system) = (&effect.entry.law, system.clone());
-    let of = law.nodes();
-    let (_, acts) = of.acting?;
-    let mut with = bindings(effect, &mut system).ok()?;
-    let own: Vec<Id> = of.parameters.iter().chain(&of.internal).copied().collect();
-    let mut symbols = Vec::new();
-    for (k, &symbol) in own.iter().enumerate() {
+    let mut system = system.clone();
+    let mut symbols = |count: usize, what: &str| -> Vec<Id> {
         // The space in the name avoids collisions with names of a spec.
-        let name = system.names.intern(&format!("acting {k}"));
-        symbols.push(system.graph.symbol(name));
-        with.insert(symbol, symbols[k]);
-    }
-    let roots: Vec<Id> = [acts].into_iter().chain(of.rates.iter().copied()).collect();
-    let made = system.graph.graft(&of.graph, &roots, &with).ok()?;
-    let change = system.graph.sub(made[0], system.inputs[input].node);
-    let mut arguments = system.arguments();
-    arguments.extend(&symbols);
-    let internal = &symbols[law.parameters.len()..];
-    let mut rates: Vec<Id> = made[1..].to_vec();
-    rates.extend(made[1..].iter().zip(internal).map(|(&rate, &z)| system.graph.gradient(rate, &[z])[0]));
-    let inner = if rates.is_empty() { None } else { Tape::compile(&system.graph, &arguments, &rates).ok() };
+        let name = |k: usize| format!("{what} {k}");
+        (0..count).map(|k| system.names.intern(&name(k))).map(|symbol| system.graph.symbol(symbol)).collect()
+    };
+    let of = effect.entry.law.nodes();
+    let numbers = symbols(of.parameters.len(), "number");
+    let internal = symbols(of.internal.len(), "internal");
+    let (acts, mut rates) = effect.acting(input, &mut system, &numbers, &internal).ok()?;
+    let change = system.graph.sub(acts, system.inputs[input].node);
+    let slopes = rates.iter().zip(&internal).map(|(&rate, &z)| system.graph.gradient(rate, &[z])[0]);
+    rates.extend(slopes.collect::<Vec<_>>());
+    let arguments: Vec<Id> = system.arguments().into_iter().chain(numbers).chain(internal.clone()).collect();
     let tape = Tape::compile(&system.graph, &arguments, &[change]).ok()?;
-    let m = system.inputs.len();
-    let mut sizes: Vec<f64> = data
-        .iter()
-        .flat_map(|data| (0..data.motion.samples()).map(move |i| data.motion.inputs[i * m + input].abs()))
-        .collect();
-    sizes.sort_unstable_by(f64::total_cmp);
-    let largest = *sizes.last()?;
+    let inner = if rates.is_empty() { None } else { Tape::compile(&system.graph, &arguments, &rates).ok() };
+    let inputs = [input];
+    let slopes = InputSlopes::new(&inputs, &system)?;
+    let along: Vec<Vec<Vec<f64>>> = data.iter().map(|data| slopes.along(data)).collect();
+    let mut all = Vec::new();
+    for grids in acting_grid(effect, input, data)?.chunks(LANES) {
+        let memory = |data: &RegressionData| match &inner {
+            Some(tape) => driven_by(tape, internal.len(), &data.motion, grids),
+            None => vec![vec![]; grids.len()],
+        };
+        let memory: Vec<Vec<Vec<Vec<f64>>>> = data.iter().map(memory).collect();
+        for (lane, grid) in grids.iter().enumerate() {
+            let mut column = Vec::new();
+            for ((data, slopes_there), memory) in data.iter().zip(&along).zip(&memory) {
+                let series: Vec<&[f64]> = memory[lane].iter().map(Vec::as_slice).collect();
+                let moved = evaluated(&tape, &data.motion, grid, &series).swap_remove(0);
+                column.extend(slopes.response(data, slopes_there, &|i, _| moved[i]));
+            }
+            all.push(Trial { effect: effect.clone(), grid: grid.clone(), columns: vec![column] });
+        }
+    }
+    Some(all)
+}
+
+/// Numbers of what acts in the place of an input: parts of its largest value, times from a step of the record on.
+fn acting_grid(effect: &Effect, input: usize, data: &[RegressionData]) -> Option<Vec<Vec<f64>>> {
+    let sizes = data.iter().flat_map(|data| {
+        let m = data.motion.inputs.len() / data.motion.samples();
+        data.motion.inputs.iter().skip(input).step_by(m).map(|u| u.abs())
+    });
+    let largest = sizes.fold(0.0, f64::max);
     let time = &data.first()?.motion.time;
     let (step, span) = (mean_step(time), time.last()? - time.first()?);
-    let mut grids: Vec<Vec<f64>> = vec![vec![]];
-    for (_, parameter) in &law.parameters {
+    let mut all: Vec<Vec<f64>> = vec![vec![]];
+    for (_, parameter) in &effect.entry.law.parameters {
         let values: Vec<f64> = match parameter.unit.as_str() {
             "N" => GRID_GAPS.iter().map(|part| part * largest).collect(),
             "s" => geometric(step, 0.1 * span, GRID_AXIS),
             _ => between(parameter.within, GRID_AXIS),
         };
-        grids = grids.iter().flat_map(|g| values.iter().map(|v| [g.as_slice(), &[*v]].concat())).collect();
-        grids.truncate(GRID_VALUES);
+        all = all.iter().flat_map(|g| values.iter().map(|v| [g.as_slice(), &[*v]].concat())).collect();
+        all.truncate(GRID_VALUES);
     }
-    let inputs = [input];
-    let slopes = InputSlopes::new(&inputs, &system)?;
-    let trial = |grid: Vec<f64>| {
-        let mut column = Vec::new();
-        for data in data {
-            let memory = inner.as_ref().map(|tape| {
-                driven_by(tape, internal.len(), &data.motion, std::slice::from_ref(&grid)).swap_remove(0)
-            });
-            let series: Vec<&[f64]> = memory.iter().flatten().map(Vec::as_slice).collect();
-            let moved = evaluated(&tape, &data.motion, &grid, &series).swap_remove(0);
-            column.extend(slopes.response(data, &|i, _| moved[i]));
-        }
-        Trial { effect: effect.clone(), grid, columns: vec![column] }
-    };
-    Some(grids.into_iter().map(trial).collect())
+    Some(all)
 }
 
 /// A force law at a place, to be tried on the motion of some records.

@@ -131,7 +131,8 @@ pub fn load_text(
 
 /// The questions of a draft that nobody has answered: what the spec says there is a guess.
 fn open_questions(text: &str, source: SourceId) -> Vec<Diagnostic> {
-    let asked = text.match_indices(OPEN_QUESTION).map(|(at, _)| {
+    let of_comment = |at: &usize| text[..*at].ends_with("// ");
+    let asked = text.match_indices(OPEN_QUESTION).map(|(at, _)| at).filter(of_comment).map(|at| {
         let end = text[at..].find('\n').map_or(text.len(), |length| at + length);
         Diagnostic::warning("a question of this draft is open: what stands for its answer is a guess")
             .at(source, Span::new(at, end), "")

@@ -52,13 +52,12 @@ fn compiled(law: &Law) -> Result<LawGraph, LawError> {
     compiler.of.velocity = velocity;
     compiler.of.load = load;
     compiler.of.parameters = parameters;
+    let numbers: Vec<&str> = law.parameters.iter().map(|(name, _)| name.as_str()).collect();
     for (name, inner) in &law.internal {
         let rate = compiler.open(&format!("internal {name}"), &inner.rate, &own)?;
         compiler.of.rates.push(rate);
-        let names: Vec<&str> = law.parameters.iter().map(|(name, _)| name.as_str()).collect();
-        let inertia = inner.inertia.as_ref();
-        let inertia =
-            inertia.map(|text| compiler.closed(&format!("inertia of {name}"), text, &names)).transpose()?;
+        let closed = |text: &String| compiler.closed(&format!("inertia of {name}"), text, &numbers);
+        let inertia = inner.inertia.as_ref().map(closed).transpose()?;
         compiler.of.inertias.push(inertia);
     }
     compiler.of.internal = internal;

@@ -173,8 +173,8 @@ impl Record {
                 let d = differentiated(&time, source, plan.differentiators[k]).map_err(|d| vec![d])?;
                 let (input, of_name) = (system.inputs[k].name.clone(), system.inputs[of].name.clone());
                 notes.push(Note::DerivedInput { input, of: of_name, smoothing: d.smoothing });
-                let all: Vec<f64> = leads[of].iter().chain(source).copied().collect();
                 if lead > 0 {
+                    let all: Vec<f64> = leads[of].iter().chain(source).copied().collect();
                     let d = differentiated(&whole, &all, plan.differentiators[k]).map_err(|d| vec![d])?;
                     (leads[k], leads[of]) = (d.derivative[..lead].to_vec(), d.values[..lead].to_vec());
                 }

@@ -28,19 +28,21 @@ pub(crate) fn finding(found: &Gap) -> Finding {
     let all: Vec<String> = found.steps.iter().map(effect).collect();
     let fall = fall(before, after);
     let which = basis(found);
+    let brought = |what: &str| match all.is_empty() {
+        true => format!("a gap of {} times the noise is left {which}", short3(after)),
+        false => format!(
+            "{} {} {what} from {} to {} times the noise {which}",
+            joined(&all),
+            if all.len() == 1 { "brings" } else { "bring" },
+            short3(before),
+            short3(after)
+        ),
+    };
     // What was not compared explains nothing, and nothing speaks against it.
     if found.interrupted() && found.status != Status::NothingMissing {
-        let so_far = match all.is_empty() {
-            true => format!("a gap of {} times the noise is left {which}", short3(after)),
-            false => format!(
-                "{} {} the gap {which} from {} to {} times the noise, not yet compared with all other laws",
-                joined(&all),
-                if all.len() == 1 { "brings" } else { "bring" },
-                short3(before),
-                short3(after)
-            ),
-        };
-        let sentence = format!("The search was stopped before its end. So far {so_far}.");
+        let compared = if all.is_empty() { "" } else { ", not yet compared with all other laws" };
+        let so_far = brought("the gap");
+        let sentence = format!("The search was stopped before its end. So far {so_far}{compared}.");
         return Finding { headline: "Stopped before the end", sentence };
     }
     match found.status {
@@ -72,16 +74,6 @@ pub(crate) fn finding(found: &Gap) -> Finding {
         Status::Unexplained => {
             let place =
                 found.left.first().map_or(String::new(), |r| format!(", mostly in {}, {r}", r.column));
-            let brought = match all.is_empty() {
-                true => format!("a gap of {} times the noise is left {which}", short3(after)),
-                false => format!(
-                    "{} {} it from {} to {} times the noise {which}",
-                    joined(&all),
-                    if all.len() == 1 { "brings" } else { "bring" },
-                    short3(before),
-                    short3(after)
-                ),
-            };
             let opening = match &found.alternative {
                 Some(other) => format!(
                     "No law of the catalogue explains the gap, but {} would (see the warnings)",
@@ -89,7 +81,7 @@ pub(crate) fn finding(found: &Gap) -> Finding {
                 ),
                 None => "Something is missing that no law of the catalogue explains".to_owned(),
             };
-            Finding { headline: "Unexplained", sentence: format!("{opening}: {brought}{place}.") }
+            Finding { headline: "Unexplained", sentence: format!("{opening}: {}{place}.", brought("it")) }
         }
     }
 }

@@ -21,11 +21,12 @@ pub(crate) fn page(report: &GapReport<'_>, invocation: &Invocation) -> Page {
     let mut page = Page::new(input, banner(found, ending));
     let balances: Vec<Option<Balance>> =
         found.steps.iter().map(|s| balance(found, s, input.records)).collect();
+    let mut steps: Vec<String> =
+        found.interrupted().then(|| next::after_stop(input.name)).into_iter().collect();
     if found.status == Status::Unexplained {
-        let stopped = found.interrupted().then(|| next::after_stop(input.name));
-        let steps: Vec<String> = stopped.into_iter().chain(next::after_unexplained(input.name)).collect();
-        next::add(&mut page, &steps);
+        steps.extend(next::after_unexplained(input.name));
     }
+    next::add(&mut page, &steps);
     first_screen(&mut page, found, &seen, &balances);
     page.section("All laws that were tried", leaderboard(found, catalogue));
     effects(&mut page, found, catalogue, &balances);

@@ -89,8 +89,9 @@ impl Place {
     }
 }
 
-/// A request of HTTP, in which `HOST` and `TOKEN` stand for what the page alone knows: the answer is none or one of HTTP, as long as it says, with the
-/// headers that the page sends and no others; nothing outside of its folder is read or written, and nothing is left that is not whole.
+/// A request of HTTP, in which `HOST` and `TOKEN` stand for what the page alone knows. The page answers nothing, or an
+/// answer of HTTP as long as its head says, with no headers but its own. It reads and writes nothing outside of its
+/// folder, and leaves no file half written.
 pub fn routes(input: &[u8]) {
     // Work on a thread of its own would be measured with the next input: the searches are fuzzed by `gap`.
     if [&b"api/start"[..], SECRET.as_bytes()].iter().any(|what| input.windows(what.len()).any(|w| w == *what))

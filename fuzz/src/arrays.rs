@@ -4,7 +4,7 @@ use phisindy::files::{Columns, Purpose, Request, open_text};
 use phisindy::{Case, Error, Loaded, Motion, Record, RecordError, record_named};
 use std::path::Path;
 
-/// A driven mass, one whose record the text describes, one whose record is a file or a table in its place, and one with an unknown part.
+/// Four specs: no record, a record of arrays, a record of a file, an unknown part.
 const CASES: [&str; 4] = [
     r#"(states: { "x": "mm", "v": "mm/s" }, inputs: { "F": "N" }, constants: { "m": (2.0, "kg"), "k": (1.0, "N/m") }, known: { "x": "v", "v": "(F - k*x)/m" })"#,
     r#"(states: { "x": "m", "v": "m/s" }, constants: { "k": (1.0, "1/s^2") }, known: { "x": "v", "v": "-k*x - 0.1*sgn(v)" }, contacts: ["v"],
@@ -83,7 +83,7 @@ impl<'a> Dice<'a> {
 
 /// Columns of any names, lengths and numbers, with fields of a record: what is no record is refused with a reason, and what is one is simulated at
 /// as many times as it has, or not, with a reason.
-pub fn border(input: &[u8]) {
+pub fn arrays(input: &[u8]) {
     let mut dice = Dice(input);
     let case = Case::read(CASES[dice.byte() % CASES.len()]).expect("a spec");
     let (mut records, mut rows) = (vec![], vec![]);
