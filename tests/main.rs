@@ -28,4 +28,5 @@ mod structure;
 mod sweep;
 mod terminal;
 mod tutorial;
+mod verify;
 mod wrong;

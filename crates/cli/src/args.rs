@@ -238,9 +238,25 @@ for Slurm, Snakemake and Nextflow.
 Exit code 1: a truth lies outside of its dictionary, or no run came to a result."
     )]
     Sweep(SweepArgs),
-    /// Work on a local page: drop a file, edit the model, run it, watch the gap shrink
+    /// Make a result again and say whether it has the same bits, or what differs
     #[command(
         display_order = 9,
+        before_help = "\
+Examples:
+  phisindy verify found                    the folder that `phisindy gap rig.ron --out found` wrote
+  phisindy verify found --data elsewhere   its data files are there now",
+        after_help = "\
+The folder keeps the spec as it was given (spec.ron), and the SHA-256 of its data and laws, the version and the options (provenance.json).
+Exit codes: 0 all as it was; 1 something differs: which file, which line, which value; 2 the folder holds no result."
+    )]
+    Verify {
+        /// Folder that `run --out` or `gap --out` wrote
+        #[arg(value_name = "DIR")]
+        folder: PathBuf,
+    },
+    /// Work on a local page: drop a file, edit the model, run it, watch the gap shrink
+    #[command(
+        display_order = 10,
         before_help = "\
 Examples:
   phisindy open                 the working folder is this one
@@ -254,7 +270,7 @@ It loads nothing from the network. Data, spec and results are files in the worki
     Open(OpenArgs),
     /// Print what a shell needs to complete this command line
     #[command(
-        display_order = 10,
+        display_order = 11,
         before_help = "\
 Examples:
   phisindy completions bash > ~/.local/share/bash-completion/completions/phisindy
@@ -269,7 +285,7 @@ Examples:
     },
     /// Print the manual, or write its pages into --out
     #[command(
-        display_order = 11,
+        display_order = 12,
         before_help = "\
 Examples:
   phisindy man > phisindy.1                         the whole program on one page
@@ -282,8 +298,8 @@ Examples:
 impl Command {
     /// Whether the work asks if it should end early, and keeps what it has then.
     pub(crate) fn keeps(&self) -> bool {
-        use Command::{Gap, Go, Open, Run, Sweep};
-        matches!(self, Run { .. } | Gap { .. } | Go(_) | Sweep(_) | Open(_))
+        use Command::{Gap, Go, Open, Run, Sweep, Verify};
+        matches!(self, Run { .. } | Gap { .. } | Go(_) | Sweep(_) | Open(_) | Verify { .. })
     }
 }
 
@@ -446,16 +462,16 @@ pub(crate) struct SweepArgs {
 /// To which commands an option means something, by its id.
 const TAKEN: &[(&str, &[&str])] = &[
     // Every command takes a format, so that a script can ask all of them alike; these print text whatever it is.
-    ("format", &["run", "gap", "go", "sweep", "new", "check", "simulate", "export"]),
+    ("format", &["run", "gap", "go", "sweep", "new", "check", "simulate", "export", "verify"]),
     ("out", &["run", "gap", "go", "new", "export", "sweep", "laws", "man"]),
     ("force", &["run", "gap", "go", "new", "export", "sweep", "laws"]),
-    ("data", &["run", "gap", "go", "simulate", "check", "export", "sweep", "open"]),
+    ("data", &["run", "gap", "go", "simulate", "check", "export", "sweep", "open", "verify"]),
     ("laws", &["run", "gap", "go", "simulate", "check", "export", "sweep", "laws", "open"]),
     ("seed", &["run", "gap", "simulate", "check", "export", "sweep"]),
     ("method", &["run", "sweep"]),
-    ("jobs", &["run", "gap", "go", "new", "simulate", "check", "sweep", "open"]),
-    ("limit", &["run", "gap", "go", "new", "simulate", "check", "export", "sweep", "open"]),
-    ("quiet", &["run", "gap", "go", "new", "simulate", "check", "export", "sweep", "laws", "open"]),
+    ("jobs", &["run", "gap", "go", "new", "simulate", "check", "sweep", "open", "verify"]),
+    ("limit", &["run", "gap", "go", "new", "simulate", "check", "export", "sweep", "open", "verify"]),
+    ("quiet", &["run", "gap", "go", "new", "simulate", "check", "export", "sweep", "laws", "open", "verify"]),
     ("sets", &["run", "gap", "go", "new", "simulate", "check", "export", "sweep"]),
 ];
 

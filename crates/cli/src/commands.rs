@@ -1,7 +1,6 @@
 //! The subcommands: what is read, what is written, and with which exit code they end.
 
 pub(crate) mod check;
-mod data_folders;
 pub(crate) mod export;
 pub(crate) mod gap;
 pub(crate) mod go;
@@ -13,3 +12,4 @@ pub(crate) mod run;
 pub(crate) mod simulate;
 mod spec_file;
 pub(crate) mod sweep;
+pub(crate) mod verify;

@@ -3,10 +3,10 @@
 use crate::check::said;
 use crate::folder::{Working, stem};
 use crate::results;
-use phisindy::files::{Purpose, Request, beside, load_text};
+use phisindy::files::{Asked, Provenance, Purpose, Request, beside, load_text};
 use phisindy::{Catalogue, Loaded, Options, Progress};
 use phisindy_phys::Sources;
-use phisindy_report::{Folder, StopReason};
+use phisindy_report::{Folder, Invocation, StopReason};
 use serde_json::{Value, json};
 use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -193,8 +193,11 @@ fn work(now: &Now, folder: &Path, request: &Request, path: &Path, text: String, 
         Ok(laws) => laws,
         Err(why) => return json!({ "error": why.to_string() }),
     };
-    match worked(now, loaded, &laws, what, begin) {
-        Ok((files, stopped)) => {
+    let asked = Asked { command: what.purpose(), spec: path, request, method: None, without: &[] };
+    let made = Provenance::of(&asked, &loaded, &results::place(folder));
+    match worked(now, loaded.clone(), &laws, what, begin, &made) {
+        Ok((mut files, stopped)) => {
+            made.put_into(&mut files, &loaded);
             // An answer of hours waits until there is room for it, unless it is given up.
             now.stop.store(false, Ordering::SeqCst);
             loop {
@@ -221,6 +224,7 @@ fn worked(
     laws: &Catalogue,
     what: What,
     begin: Instant,
+    made: &Provenance,
 ) -> Result<(Folder, bool), phisindy::Error> {
     let observe = |progress: Progress<'_>| {
         now.tell(progress.fraction, if progress.activity.is_empty() { "fitting" } else { progress.activity });
@@ -229,7 +233,8 @@ fn worked(
     let options = Options { laws: Some(laws), observe: Some(&observe), ..Options::default() };
     let seconds = || begin.elapsed().as_secs_f64();
     let spec = loaded.spec.clone();
-    let command = [what.name(), spec.as_str()];
+    let arguments = vec![what.name().to_owned(), spec];
+    let command = Invocation { arguments, inputs: Some(made.inputs()), ..Invocation::default() };
     let why = || now.closed.get().copied().unwrap_or(StopReason::Interrupt);
     Ok(match what {
         What::Run => {

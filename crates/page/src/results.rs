@@ -25,6 +25,14 @@ const MODELS: &[&str] = &["completed.ron", "identified.ron"];
 /// What a browser may take of a result.
 const ENDINGS: &[&str] = &["html", "svg", "json", "ron", "tex", "txt"];
 
+/// A folder like that of a new result, as paths in it see other files.
+pub(crate) fn place(folder: &Path) -> PathBuf {
+    let all = folder.join(RESULTS);
+    // Where it cannot be made, nothing can be kept: `keep` says why.
+    let _ = fs::create_dir_all(&all);
+    all.join("new")
+}
+
 /// Keeps the files of a result in a new folder and returns its name, `STEM-WHAT-N`.
 ///
 /// # Errors

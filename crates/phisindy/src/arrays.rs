@@ -44,7 +44,8 @@ impl Loaded {
             all.push(record);
             truths.push(truth);
         }
-        Ok(Loaded { spec: "the spec".to_owned(), text, parsed, case: checked, records: all, truths, doubts })
+        let (spec, given) = ("the spec".to_owned(), text.clone());
+        Ok(Loaded { spec, given, text, parsed, case: checked, records: all, truths, doubts })
     }
 
     /// Whether every record can be compared with a model.

@@ -158,15 +158,13 @@ impl Identified {
 
     /// The files that `phisindy run --out` keeps.
     pub fn folder(&self, seconds: f64) -> Folder {
-        self.folder_of(seconds, &[], StopReason::Interrupt)
+        self.folder_of(seconds, &Invocation::default(), StopReason::Interrupt)
     }
 
-    /// The same of a command line with these words, which the report shows as what repeats it; if the observer
-    /// stopped the work, it says why.
-    pub fn folder_of(&self, seconds: f64, words: &[&str], why: StopReason) -> Folder {
-        let arguments = words.iter().map(|&word| word.to_owned()).collect();
-        let how = Invocation { arguments, ..Invocation::default() };
-        Folder::of_run(&self.report(seconds, why), self.loaded.input(), &self.result, &how)
+    /// The same of a command line, which the report shows as what repeats it; if the observer stopped the work, it
+    /// says why.
+    pub fn folder_of(&self, seconds: f64, how: &Invocation, why: StopReason) -> Folder {
+        Folder::of_run(&self.report(seconds, why), self.loaded.input(), &self.result, how)
     }
 
     fn report(&self, seconds: f64, why: StopReason) -> RunReport<'_> {

@@ -19,7 +19,9 @@ use std::sync::Arc;
 pub struct Loaded {
     /// What the spec is called in messages: its path as it was given, or `the spec`.
     pub spec: String,
-    /// Its text with every assignment, and with an entry of `data` for each record.
+    /// Its text with every assignment, as it was given.
+    pub given: String,
+    /// The same with an entry of `data` for each record, and with the laws and formulas that `unknown` asks for.
     pub text: String,
     /// The text, read.
     pub parsed: Spec,
@@ -87,8 +89,8 @@ impl Loaded {
             format!("no formula in {what} explains the records; `phisindy gap` shows what the missing force depends on")
         }));
         let case = Case { laws, searches, requirements, without_laws, ..case };
-        let (spec, truths) = (self.spec.clone(), self.truths.clone());
-        Ok(Some(Loaded { spec, text, parsed, case, records, truths, doubts }))
+        let (spec, given, truths) = (self.spec.clone(), self.given.clone(), self.truths.clone());
+        Ok(Some(Loaded { spec, given, text, parsed, case, records, truths, doubts }))
     }
 
     /// The plans of the records that are simulated: of a model with an unknown part the synthetic ones.

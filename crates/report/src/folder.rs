@@ -11,8 +11,13 @@ use phisindy_gap::DISCOVERED;
 use phisindy_learn::Identified;
 
 /// Names of the files of all results.
-const FILES: [&str; 6] = [RESULT, EQUATION, GAP, IDENTIFIED, COMPLETED, REPORT];
-const RESULT: &str = "result.json";
+const FILES: [&str; 8] = [RESULT, EQUATION, GAP, IDENTIFIED, COMPLETED, REPORT, SPEC, PROVENANCE];
+/// The numbers of a result.
+pub const RESULT: &str = "result.json";
+/// The spec that a result was made from.
+pub const SPEC: &str = "spec.ron";
+/// What else a result was made from.
+pub const PROVENANCE: &str = "provenance.json";
 const EQUATION: &str = "equation.tex";
 const GAP: &str = "gap.txt";
 const REPORT: &str = "report.html";
@@ -22,7 +27,7 @@ const LAWS: &str = "laws";
 /// The files of a result.
 #[derive(Clone, Debug, Default)]
 pub struct Folder {
-    /// Path in the folder, with `/` between its parts, and text. The report comes last.
+    /// Path in the folder, with `/` between its parts, and text.
     pub files: Vec<(String, String)>,
     /// What could not be written, and why.
     pub lacks: Option<String>,
@@ -82,7 +87,8 @@ impl Folder {
         all
     }
 
-    fn add(&mut self, name: &str, text: String) {
+    /// Adds a file by its path in the folder.
+    pub fn add(&mut self, name: &str, text: String) {
         self.files.push((name.to_owned(), text));
     }
 

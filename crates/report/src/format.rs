@@ -1,6 +1,6 @@
 //! The forms of a result, and the names of methods and roles in results.
 
-use phisindy_phys::spec::{Method, Role};
+use phisindy_phys::spec::Role;
 
 /// The form in which a result is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -11,14 +11,6 @@ pub enum Format {
     Text,
     /// One JSON object on one line.
     Json,
-}
-
-/// The name of a method on the command line and in results.
-pub(crate) fn method_name(method: Method) -> &'static str {
-    match method {
-        Method::Step => "step",
-        Method::Trajectory => "trajectory",
-    }
 }
 
 /// The name of a role in results.

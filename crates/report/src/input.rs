@@ -31,6 +31,8 @@ pub struct Invocation {
     pub assigned: bool,
     /// The seed of `--seed`.
     pub seed: Option<u64>,
+    /// One hash (SHA-256) of the spec, its data, its laws and the version, if the folder keeps where they are.
+    pub inputs: Option<String>,
 }
 
 /// How the work ended.

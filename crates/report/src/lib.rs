@@ -33,7 +33,7 @@ mod terminal;
 mod tied;
 
 pub use equation::{Equation, equations};
-pub use folder::Folder;
+pub use folder::{Folder, PROVENANCE, RESULT, SPEC};
 pub use format::Format;
 pub use gap::GapReport;
 pub use html::HtmlReport;

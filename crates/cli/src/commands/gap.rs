@@ -1,14 +1,13 @@
 //! `phisindy gap`.
 
-use super::data_folders::name_data;
-use super::spec_file::{failed, invocation, keep, keep_failure, loaded};
+use super::spec_file::{failed, keep, keep_failure, loaded};
 use crate::args::Options;
 use crate::interrupt;
 use crate::outdir::Results;
 use crate::progress::Progress;
 use crate::terminal::{INPUT, NUMERICS, REJECTED, print, remark, tell_report};
 use anyhow::{Result, bail};
-use phisindy::files::{Purpose, beside};
+use phisindy::files::{Asked, Purpose, beside};
 use phisindy_gap::GapError;
 use phisindy_report::{Ending, Folder, GapReport};
 use std::ops::ControlFlow;
@@ -69,11 +68,9 @@ pub(crate) fn gap(spec: &Path, without: &[String], options: &Options) -> Result<
     if !options.quiet && options.look.is_none() {
         report.notes().for_each(|w| remark(&format!("note: {w}")));
     }
-    let kept = folder.as_ref().map_or(Ok(None), |folder| {
-        let mut files = Folder::of_gap(&report, &invocation(options));
-        name_data(&mut files, spec, &loaded, options, folder.path());
-        keep(&files, folder)
-    });
+    let request = options.request();
+    let asked = Asked { command: Purpose::Gap, spec, request: &request, method: None, without };
+    let kept = keep(folder.as_ref(), &asked, &loaded, options, |how| Folder::of_gap(&report, how));
     // A full disk must not lose the result, so it is printed first.
     print(
         &options.look.map_or_else(|| report.written(options.format.into()), |look| report.at_terminal(look)),

@@ -1,7 +1,6 @@
 //! `phisindy run`.
 
-use super::data_folders::name_data;
-use super::spec_file::{failed, invocation, keep, keep_failure, loaded};
+use super::spec_file::{failed, keep, keep_failure, loaded};
 use crate::args::{Format, Options};
 use crate::outdir::{self, Results};
 use crate::progress::Progress;
@@ -9,7 +8,7 @@ use crate::terminal::{INPUT, NUMERICS, REJECTED, print, remark, tell_report};
 use crate::{draw, interrupt};
 use anyhow::Result;
 use phisindy::Loaded;
-use phisindy::files::Purpose;
+use phisindy::files::{Asked, Purpose};
 use phisindy_learn::{Identified, LearnError, LearnOptions};
 use phisindy_phys::{Diagnostic, Sources};
 use phisindy_report::{Ending, Folder, RunReport};
@@ -72,11 +71,10 @@ fn run_one(spec: &Path, folder: Option<&Results>, options: &Options, follows: bo
     if !options.quiet {
         caution(&report, options);
     }
-    let kept = folder.map_or(Ok(None), |folder| {
-        let mut files = Folder::of_run(&report, loaded.input(), &found, &invocation(options));
-        name_data(&mut files, spec, &loaded, options, folder.path());
-        keep(&files, folder)
-    });
+    let (request, method) = (options.request(), options.method.map(Into::into));
+    let asked = Asked { command: Purpose::Run, spec, request: &request, method, without: &[] };
+    let files = |how: &_| Folder::of_run(&report, loaded.input(), &found, how);
+    let kept = keep(folder, &asked, &loaded, options, files);
     // A full disk must not lose the result, so it is printed first.
     let blank = if follows && options.format != Format::Json { "\n" } else { "" };
     let text =

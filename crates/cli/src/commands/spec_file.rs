@@ -7,7 +7,7 @@ use crate::progress::Progress;
 use crate::terminal::{INPUT, NUMERICS, complain};
 use anyhow::Result;
 use phisindy::Loaded;
-use phisindy::files::{Purpose, Refusal, load};
+use phisindy::files::{Asked, Provenance, Purpose, Refusal, load};
 use phisindy_phys::{Diagnostic, Sources};
 use phisindy_report::{Folder, Input, Invocation, html};
 use std::path::{Path, PathBuf};
@@ -81,15 +81,26 @@ pub(super) fn keep_failure(
     folder.put(&Folder::of_page(html::failure(why, diverged, input, &invocation(options)))).map(drop)
 }
 
-/// Writes the files of a result, and returns where they are.
-pub(super) fn keep(files: &Folder, folder: &Results) -> Result<Option<PathBuf>> {
+/// Writes the files of a result and what they were made from, and returns where they are.
+pub(super) fn keep(
+    folder: Option<&Results>,
+    asked: &Asked<'_>,
+    loaded: &Loaded,
+    options: &Options,
+    files: impl FnOnce(&Invocation) -> Folder,
+) -> Result<Option<PathBuf>> {
+    let Some(folder) = folder else { return Ok(None) };
+    let made = Provenance::of(asked, loaded, folder.path());
+    let mut files = files(&Invocation { inputs: Some(made.inputs()), ..invocation(options) });
+    made.put_into(&mut files, loaded);
     if let Some(why) = &files.lacks {
         complain(why);
     }
-    folder.put(files)
+    folder.put(&files)
 }
 
 /// How the program was called.
-pub(super) fn invocation(options: &Options) -> Invocation {
-    Invocation { arguments: options.line.clone(), assigned: !options.sets.is_empty(), seed: options.seed }
+fn invocation(options: &Options) -> Invocation {
+    let assigned = !options.sets.is_empty();
+    Invocation { arguments: options.line.clone(), assigned, seed: options.seed, inputs: None }
 }

@@ -49,6 +49,11 @@ pub fn law_files(spec: &Path, request: &Request) -> Vec<PathBuf> {
     folders(spec, request).iter().flat_map(|folder| files_in(folder).unwrap_or_default()).collect()
 }
 
+/// Whether a file holds a law that is built in, as it is.
+pub(super) fn is_built_in(file: &Path) -> bool {
+    std::fs::read_to_string(file).is_ok_and(|text| BUILT_IN.iter().any(|(_, own)| **own == text))
+}
+
 /// The laws that a spec may name: built in, in the folder `laws` beside it, in that of the request.
 ///
 /// # Errors

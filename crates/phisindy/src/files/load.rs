@@ -118,7 +118,8 @@ pub fn load_text(
         suspected: vec![],
     };
     let (records, truths) = loader.records(&case, purpose)?;
-    let loaded = Loaded { spec: shown, text, parsed, case, records, truths, doubts: vec![] };
+    let given = text.clone();
+    let loaded = Loaded { spec: shown, given, text, parsed, case, records, truths, doubts: vec![] };
     match laws {
         Some(laws) => {
             // A check does without the records.

@@ -469,3 +469,18 @@ pub enum Method {
     /// Fit of the simulated trajectory.
     Trajectory,
 }
+
+impl Method {
+    /// Name in results and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Method::Step => "step",
+            Method::Trajectory => "trajectory",
+        }
+    }
+
+    /// The method of this name.
+    pub fn named(name: &str) -> Option<Method> {
+        [Method::Step, Method::Trajectory].into_iter().find(|method| method.name() == name)
+    }
+}

@@ -22,7 +22,11 @@ pub(crate) fn command(
     invocation: &Invocation,
 ) -> Vec<Element> {
     let words: Vec<String> = invocation.arguments.iter().map(|word| quoted(word)).collect();
-    let version = paragraph(concat!("Written by phisindy ", env!("CARGO_PKG_VERSION"), "."));
+    let hash = invocation.inputs.as_ref().map(|hash| {
+        format!(" SHA-256 of spec, data, laws and version: {hash}; `phisindy verify` makes the result again.")
+    });
+    let version = format!("Written by phisindy {}.{}", env!("CARGO_PKG_VERSION"), hash.unwrap_or_default());
+    let version = paragraph(&version);
     let after = if invocation.assigned { ", every --set in it" } else { "" };
     let heading = element("h3").text(format!("{spec}{after}"));
     let command = block(&format!("phisindy {}", words.join(" ")), "command");

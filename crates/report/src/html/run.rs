@@ -5,7 +5,7 @@ use super::table::{Cell, code, estimate, in_unit, parameters, table, text, unit}
 use super::{correlation, friction, hero, mathml, motion, next, reproduction, residual, selection};
 use crate::chart::{Sheet, digits};
 use crate::equation::names_of_records;
-use crate::format::{capital, method_name as method, role_name as role};
+use crate::format::{capital, role_name as role};
 use crate::input::Invocation;
 use crate::markup::{Element, element};
 use crate::run::{RunReport, found_words};
@@ -74,7 +74,7 @@ fn banner(report: &RunReport<'_>) -> Banner {
             .ending
             .stopped_words()
             .map_or(String::new(), |stopped| format!("{} before the end. ", capital(&stopped))),
-        method(found.method),
+        found.method.name(),
         digits(report.ending.seconds, 2),
     );
     let headline = capital(found.verdict.word());

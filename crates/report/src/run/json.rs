@@ -5,7 +5,7 @@ use super::adapted::{AdaptedOut, Part};
 use super::contribution::{Contribution, contribution};
 use super::fixed::FixedValue;
 use super::report::RunReport;
-use crate::format::{method_name as method, role_name as role};
+use crate::format::role_name as role;
 use phisindy_learn::{Estimate, Horizon, Remainder};
 use phisindy_phys::System;
 use serde::Serialize;
@@ -195,7 +195,7 @@ pub(crate) fn line(report: &RunReport<'_>) -> String {
     let outcome = Outcome {
         spec: report.input.name,
         title: &system.title,
-        method: method(found.method),
+        method: found.method.name(),
         verdict: found.verdict.word(),
         reason: found.verdict.reason(),
         remainder: report.remainder().into_iter().map(RemainderOut::new(system)).collect(),

@@ -1,7 +1,7 @@
 //! The result of `run` at a terminal.
 
 use super::report::RunReport;
-use crate::format::{method_name, role_name};
+use crate::format::role_name;
 use crate::stretch::series;
 use crate::table::{aligned, raised, short, with_error};
 use crate::terminal::braille::plot;
@@ -101,7 +101,7 @@ fn verdict(report: &RunReport<'_>, look: Look) -> String {
         report.ending.stopped_words().map_or(String::new(), |s| format!("{s} before the end; so far "));
     let title = &report.input.case.system.title;
     let title = if title.is_empty() { report.input.name } else { title };
-    let how = format!("method {}, {:.1} s", method_name(found.method), report.ending.seconds);
+    let how = format!("method {}, {:.1} s", found.method.name(), report.ending.seconds);
     let words = format!("{stopped}{word}: {}, {}", look.ink(Ink::Strong, title), look.ink(Ink::Faint, &how));
     look.wrapped(&words, 0)
 }

@@ -6,7 +6,7 @@ use super::fixed;
 use super::horizon;
 use super::report::RunReport;
 use crate::equation::{Equation, names_of_records};
-use crate::format::{method_name as method, role_name as role};
+use crate::format::role_name as role;
 use crate::table::{aligned, interval, short};
 use phisindy_learn::{Estimate, Verdict, Warning};
 use phisindy_phys::spec::Role;
@@ -53,7 +53,7 @@ fn details(report: &RunReport<'_>) -> Vec<String> {
         Some(stopped) => format!("{stopped} before the end; so far {verdict}"),
         None => verdict,
     };
-    lines.push(format!("{verdict} (method {}, {:.1} s)", method(found.method), report.ending.seconds));
+    lines.push(format!("{verdict} (method {}, {:.1} s)", found.method.name(), report.ending.seconds));
     lines.push(report.basis());
     let unseen = found.records.iter().filter(|r| r.role == Role::Validate);
     let unseen: Vec<&str> = unseen.map(|r| r.name.as_str()).collect();

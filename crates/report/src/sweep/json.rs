@@ -5,7 +5,7 @@
 
 use super::runs::{CellRuns, SweepRuns};
 use super::statistics::Statistics;
-use crate::format::method_name;
+
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -76,7 +76,7 @@ pub(super) fn line(sweep: &SweepRuns<'_>) -> String {
         error: None,
         exact_support: cells.iter().map(|c| c.exact_support).sum(),
         failures: None,
-        method: method_name(sweep.method),
+        method: sweep.method.name(),
         runs: cells.iter().map(|c| c.runs).sum(),
         seconds: sweep.seconds,
         seed: sweep.first,

@@ -2,7 +2,7 @@
 
 use super::runs::{CellRuns, Run, RunVerdict, SweepRuns};
 use super::statistics::Statistics;
-use crate::format::method_name;
+
 use crate::table::{aligned, short};
 
 /// Most failed runs that are listed; the JSON has all.
@@ -29,7 +29,7 @@ pub(super) fn table(sweep: &SweepRuns<'_>) -> Vec<String> {
     } else {
         format!("{} ({})", sweep.title, sweep.spec)
     };
-    let mut lines = vec![name, format!("method {}, seeds {first} to {last}", method_name(sweep.method))];
+    let mut lines = vec![name, format!("method {}, seeds {first} to {last}", sweep.method.name())];
     let all = sweep.statistics();
     if all.len() > 1 {
         let mut rows = vec![words(&[

@@ -1,0 +1,120 @@
+//! Results that are made again: the same bits, or what differs.
+#![allow(missing_docs)]
+
+use crate::common::{Outcome, Scratch, phisindy, top};
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+
+/// A swing with friction, sampled every 10 ms and written with six digits.
+fn measured(folder: &Path) {
+    let swing = |t: f64| (t / std::f64::consts::PI).floor();
+    let x = |t: f64| 0.3 * (-1f64).powf(swing(t)) + (1.7 - 0.6 * swing(t)) * t.cos();
+    let rows: String =
+        (0..800).map(|k| 0.01 * f64::from(k)).map(|t| format!("{t:.2},{:.6}\n", x(t))).collect();
+    fs::write(folder.join("run.csv"), format!("t,x\n{rows}")).expect("data");
+    let spec = r#"(
+    states: { "x": "m", "v": "m/s" },
+    constants: { "m": (1.0, "kg"), "k": (1.0, "N/m") },
+    known: { "x": "v", "v": "-k*x/m" },
+    unknown: { "v": (factor: "-sgn(v)/m", candidates: ["1"]) },
+    contacts: ["v"],
+    data: [ Csv(path: "run.csv", time: "t", columns: { "x": "x" }) ],
+)
+"#;
+    fs::write(folder.join("rig.ron"), spec).expect("a spec");
+}
+
+fn verify(folder: &Path, more: &[&str]) -> (i32, Value) {
+    let shown = folder.display().to_string();
+    let Outcome { code, out, err } =
+        phisindy(&[&["verify", shown.as_str(), "--quiet", "--format", "json"], more].concat());
+    (code, serde_json::from_str(&out).unwrap_or_else(|_| panic!("no JSON: {out}{err}")))
+}
+
+/// Code and subject of each difference but for values.
+fn differences(of: &Value) -> Vec<(String, String)> {
+    let text = |d: &Value, key: &str| d[key].as_str().expect("text").to_owned();
+    let all = of["differences"].as_array().expect("a list").iter().filter(|d| d["code"] != "value");
+    all.map(|d| (text(d, "code"), text(d, "of"))).collect()
+}
+
+fn replaced(path: &Path, from: &str, to: &str) {
+    let text = fs::read_to_string(path).expect("a file");
+    assert!(text.contains(from), "{} holds {from}", path.display());
+    fs::write(path, text.replacen(from, to, 1)).expect("a file");
+}
+
+#[test]
+fn a_result_comes_out_again_or_is_told_what_changed() {
+    let scratch = Scratch::new("verify");
+    let folder = scratch.0.as_path();
+    measured(folder);
+    let (rig, found) = (folder.join("rig.ron"), folder.join("found"));
+    for (command, set) in [("run", "data.0.window=(0.0, 7.5)"), ("gap", "constants.k=(1.0, \"N/m\")")] {
+        let (spec, out) = (rig.display().to_string(), found.display().to_string());
+        let done = phisindy(&[command, &spec, "--out", &out, "--set", set, "--quiet", "--force"]);
+        assert!(done.code <= 1, "{}", done.err);
+        for jobs in ["1", "2"] {
+            let (code, of) = verify(&found, &["--jobs", jobs]);
+            assert_eq!((code, &of["same"], &of["same_values"]), (0, &true.into(), &true.into()), "{of}");
+        }
+    }
+    // Another version.
+    replaced(&found.join("provenance.json"), concat!("\"", env!("CARGO_PKG_VERSION"), "\""), "\"0.0.1\"");
+    let (code, of) = verify(&found, &[]);
+    assert_eq!((code, differences(&of)), (1, vec![("version".into(), String::new())]));
+    assert_eq!(of["same_values"], true);
+    replaced(&found.join("provenance.json"), "\"0.0.1\"", concat!("\"", env!("CARGO_PKG_VERSION"), "\""));
+    // A constant of the spec: the result comes from the one that is kept.
+    replaced(&rig, "\"m\": (1.0,", "\"m\": (1.1,");
+    let (code, of) = verify(&found, &[]);
+    assert_eq!((code, differences(&of)), (1, vec![("changed".into(), "../rig.ron".into())]));
+    assert!(of["differences"][0]["words"].as_str().expect("words").contains("(1.1,"), "{of}");
+    assert_eq!(of["same_values"], true);
+    replaced(&rig, "(1.1,", "(1.0,");
+    // A byte of the data.
+    replaced(&folder.join("run.csv"), "\n4.00,", "\n4.00, ");
+    let (code, of) = verify(&found, &[]);
+    assert_eq!((code, differences(&of)), (1, vec![("changed".into(), "../run.csv".into())]));
+    assert_eq!(of["same_values"], true, "a space is no other number");
+    replaced(&folder.join("run.csv"), "\n4.00, ", "\n4.00,");
+    // A number of the result, and of the spec that is kept.
+    replaced(&found.join("result.json"), "\"fit\": ", "\"fit\": 1");
+    let (code, of) = verify(&found, &[]);
+    assert_eq!((code, differences(&of)), (1, vec![("edited".into(), "result.json".into())]));
+    assert_eq!(of["same_values"], false);
+    replaced(&found.join("result.json"), "\"fit\": 1", "\"fit\": ");
+    assert_eq!(verify(&found, &[]).0, 0);
+    // Its data are elsewhere.
+    fs::create_dir(folder.join("data")).expect("a folder");
+    fs::rename(folder.join("run.csv"), folder.join("data/run.csv")).expect("moved");
+    let (code, of) = verify(&found, &[]);
+    assert_eq!((code, &differences(&of)[0]), (1, &("missing".into(), "../run.csv".into())));
+    let there = folder.join("data").display().to_string();
+    assert_eq!(verify(&found, &["--data", &there]).0, 0);
+}
+
+/// The kept spec finds its data by itself, and the report has the hash.
+#[test]
+fn a_result_keeps_its_spec() {
+    let scratch = Scratch::new("kept-spec");
+    let folder = scratch.0.as_path();
+    measured(folder);
+    let (spec, out) =
+        (folder.join("rig.ron").display().to_string(), folder.join("found").display().to_string());
+    assert_eq!(phisindy(&["run", &spec, "--out", &out, "--quiet"]).code, 0);
+    let again = phisindy(&["run", &format!("{out}/spec.ron"), "--quiet"]);
+    assert_eq!(again.code, 0, "{}", again.err);
+    let page = fs::read_to_string(folder.join("found/report.html")).expect("a report");
+    let hash = page.split_once("SHA-256 of spec, data, laws and version: ").expect("the hash").1;
+    assert!(hash[..64].bytes().all(|b| b.is_ascii_hexdigit()), "{}", &hash[..64]);
+}
+
+#[test]
+fn a_folder_without_a_result_cannot_be_verified() {
+    let shown = top().join("specs").display().to_string();
+    let Outcome { code, out, err } = phisindy(&["verify", &shown]);
+    assert_eq!((code, out.as_str()), (2, ""));
+    assert!(err.contains("--out DIR"), "{err}");
+}
