@@ -6,6 +6,7 @@ mod border;
 mod causes;
 #[allow(dead_code)]
 mod common;
+mod compare;
 mod contributions;
 mod determinism;
 mod export;

@@ -238,9 +238,27 @@ for Slurm, Snakemake and Nextflow.
 Exit code 1: a truth lies outside of its dictionary, or no run came to a result."
     )]
     Sweep(SweepArgs),
-    /// Make a result again and say whether it has the same bits, or what differs
+    /// Say what changed on a machine since an earlier record, or which of many machines stands out
     #[command(
         display_order = 9,
+        before_help = "\
+Examples:
+  phisindy compare march.ron june.ron          which numbers changed, by how much, how surely; is there a new cause?
+  phisindy compare march-found june.ron        the older is a result of `gap --out` or `run --out`
+  phisindy compare fleet/*.ron --out care      three or more: spread, who stands out; care/report.html shows it",
+        after_help = "\
+Of two, the model of the older one is set against the records of the newer one. Of three or more, each is judged by its own model and its numbers \
+beside those of the others. One comparison in a hundred of unchanged machines tells a change.
+Exit codes: 0 nothing changed, nobody stands out; 1 something did."
+    )]
+    Compare {
+        /// Specs, or folders that `run --out` or `gap --out` wrote: the older one first
+        #[arg(value_name = "OLD NEW...", num_args = 2.., required = true)]
+        paths: Vec<PathBuf>,
+    },
+    /// Make a result again and say whether it has the same bits, or what differs
+    #[command(
+        display_order = 10,
         before_help = "\
 Examples:
   phisindy verify found                    the folder that `phisindy gap rig.ron --out found` wrote
@@ -256,7 +274,7 @@ Exit codes: 0 all as it was; 1 something differs: which file, which line, which 
     },
     /// Work on a local page: drop a file, edit the model, run it, watch the gap shrink
     #[command(
-        display_order = 10,
+        display_order = 11,
         before_help = "\
 Examples:
   phisindy open                 the working folder is this one
@@ -270,7 +288,7 @@ It loads nothing from the network. Data, spec and results are files in the worki
     Open(OpenArgs),
     /// Print what a shell needs to complete this command line
     #[command(
-        display_order = 11,
+        display_order = 12,
         before_help = "\
 Examples:
   phisindy completions bash > ~/.local/share/bash-completion/completions/phisindy
@@ -285,7 +303,7 @@ Examples:
     },
     /// Print the manual, or write its pages into --out
     #[command(
-        display_order = 12,
+        display_order = 13,
         before_help = "\
 Examples:
   phisindy man > phisindy.1                         the whole program on one page
@@ -298,8 +316,8 @@ Examples:
 impl Command {
     /// Whether the work asks if it should end early, and keeps what it has then.
     pub(crate) fn keeps(&self) -> bool {
-        use Command::{Gap, Go, Open, Run, Sweep, Verify};
-        matches!(self, Run { .. } | Gap { .. } | Go(_) | Sweep(_) | Open(_) | Verify { .. })
+        use Command::{Compare, Gap, Go, Open, Run, Sweep, Verify};
+        matches!(self, Compare { .. } | Run { .. } | Gap { .. } | Go(_) | Sweep(_) | Open(_) | Verify { .. })
     }
 }
 
@@ -462,16 +480,25 @@ pub(crate) struct SweepArgs {
 /// To which commands an option means something, by its id.
 const TAKEN: &[(&str, &[&str])] = &[
     // Every command takes a format, so that a script can ask all of them alike; these print text whatever it is.
-    ("format", &["run", "gap", "go", "sweep", "new", "check", "simulate", "export", "verify"]),
-    ("out", &["run", "gap", "go", "new", "export", "sweep", "laws", "man"]),
-    ("force", &["run", "gap", "go", "new", "export", "sweep", "laws"]),
-    ("data", &["run", "gap", "go", "simulate", "check", "export", "sweep", "open", "verify"]),
-    ("laws", &["run", "gap", "go", "simulate", "check", "export", "sweep", "laws", "open"]),
+    ("format", &["run", "gap", "go", "sweep", "new", "check", "simulate", "export", "verify", "compare"]),
+    ("out", &["run", "gap", "go", "new", "export", "sweep", "laws", "man", "compare"]),
+    ("force", &["run", "gap", "go", "new", "export", "sweep", "laws", "compare"]),
+    ("data", &["run", "gap", "go", "simulate", "check", "export", "sweep", "open", "verify", "compare"]),
+    ("laws", &["run", "gap", "go", "simulate", "check", "export", "sweep", "laws", "open", "compare"]),
     ("seed", &["run", "gap", "simulate", "check", "export", "sweep"]),
     ("method", &["run", "sweep"]),
-    ("jobs", &["run", "gap", "go", "new", "simulate", "check", "sweep", "open", "verify"]),
-    ("limit", &["run", "gap", "go", "new", "simulate", "check", "export", "sweep", "open", "verify"]),
-    ("quiet", &["run", "gap", "go", "new", "simulate", "check", "export", "sweep", "laws", "open", "verify"]),
+    ("jobs", &["run", "gap", "go", "new", "simulate", "check", "sweep", "open", "verify", "compare"]),
+    (
+        "limit",
+        &["run", "gap", "go", "new", "simulate", "check", "export", "sweep", "open", "verify", "compare"],
+    ),
+    (
+        "quiet",
+        &[
+            "run", "gap", "go", "new", "simulate", "check", "export", "sweep", "laws", "open", "verify",
+            "compare",
+        ],
+    ),
     ("sets", &["run", "gap", "go", "new", "simulate", "check", "export", "sweep"]),
 ];
 

@@ -1,6 +1,7 @@
 //! The subcommands: what is read, what is written, and with which exit code they end.
 
 pub(crate) mod check;
+pub(crate) mod compare;
 pub(crate) mod export;
 pub(crate) mod gap;
 pub(crate) mod go;

@@ -145,6 +145,7 @@ fn execute(args: &Args) -> Result<u8> {
         Command::Completions { shell } => commands::manual::completions(*shell),
         Command::Man => commands::manual::pages(options),
         Command::Sweep(args) => commands::sweep::sweep(args, options),
+        Command::Compare { paths } => commands::compare::compare(paths, options),
         Command::Verify { folder } => commands::verify::verify(folder, options),
     }
 }

@@ -1,9 +1,13 @@
 //! A line on standard error for work that a terminal waits for, drawn at once and alive until the work ends;
 //! nothing in pipes or with `--quiet`.
 
+use crate::interrupt;
 use console::Term;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle, TermLike};
+use phisindy::Options;
 use std::io::{self, IsTerminal};
+use std::ops::ControlFlow;
+use std::sync::Mutex;
 use std::time::Duration;
 
 const STEPS: u64 = 1000;
@@ -54,6 +58,21 @@ impl Progress {
         let position = (fraction.clamp(0.0, 1.0) * STEPS as f64) as u64;
         self.bar.set_position(position.max(self.bar.position()));
     }
+}
+
+/// Does work of the library under a line of progress, until an early end is requested.
+pub(crate) fn watched<R>(what: &str, quiet: bool, work: impl FnOnce(&Options<'_>) -> R) -> R {
+    let progress = Mutex::new(Progress::new(what, quiet));
+    let observe = |now: phisindy::Progress<'_>| {
+        if let Ok(mut progress) = progress.lock() {
+            if !now.activity.is_empty() {
+                progress.doing(now.activity);
+            }
+            progress.at(now.fraction);
+        }
+        if interrupt::requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    };
+    work(&Options { observe: Some(&observe), ..Options::default() })
 }
 
 /// Columns that stay free for the `^C` that a terminal shows: the line is padded to its end, and one that

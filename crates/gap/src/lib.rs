@@ -60,4 +60,4 @@ pub use result::{
     SpecMistake, Status, Step, StepParameter, StopReason, Tried, Veto, Vetoed, Warning, WhyNot,
     force_history,
 };
-pub use workflow::gap;
+pub use workflow::{Standing, gap, standing};

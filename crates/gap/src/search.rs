@@ -94,6 +94,11 @@ impl Start<'_> {
     }
 }
 
+/// Whether a model leaves no more than the scatter of the rig, a gap of `floor`; 0 where that is not known.
+pub(crate) fn at_floor(of: &Fitted, floor: f64) -> bool {
+    floor > 0.0 && of.score.gap() <= REPEATS * floor
+}
+
 impl Search<'_> {
     /// Runs the search, and repeats it without the laws that the records do not determine in the end, or that
     /// evidence rules out: another law may do as well. A repeated search counts if it explains the data, and
@@ -143,7 +148,7 @@ impl Search<'_> {
 
     /// Whether a model leaves no more than the scatter of the rig.
     pub(crate) fn at_floor(&self, of: &Fitted) -> bool {
-        self.floor > 0.0 && of.score.gap() <= REPEATS * self.floor
+        at_floor(of, self.floor)
     }
 
     /// Runs the search from a model.

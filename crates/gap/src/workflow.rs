@@ -6,7 +6,7 @@ use crate::ending::Ending;
 use crate::model::{Fitted, SpecTextError, TrialModel, current, noise_of, shortened};
 use crate::repeat::{prediction, repeatability};
 use crate::result::{Activity, ColumnRepeat, DataError, Gap, GapError, ModelError, StopReason, Warning};
-use crate::search::{Observer, Search, Searched};
+use crate::search::{Observer, Search, Searched, at_floor};
 use phisindy_learn::{Effort, dead_column};
 use phisindy_phys::spec::{self, Role, Spec};
 use phisindy_phys::{Case, LawEntry, Record, SourceId, System, splice};
@@ -67,6 +67,31 @@ pub fn gap(
         let searched = from_estimate_or_rest(&mut search, whole).map_err(GapError::Numerics)?;
         Ending::new(searched, &mut search, warnings)?.finished(&text, repeat)
     })
+}
+
+/// How a model does as it is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Standing {
+    /// Its gap, on Validate records if there are any.
+    pub gap: f64,
+    /// The samples that this is the mean of.
+    pub samples: usize,
+    /// Whether its free runs leave no more than noise, or the scatter of the rig.
+    pub explains: bool,
+}
+
+/// How a model does as it is: a fit, and no search.
+///
+/// # Errors
+/// As [`gap`].
+pub fn standing(spec: Spec, case: Case, records: Vec<Record>) -> Result<Standing, GapError> {
+    suitable(&case.system, &records)?;
+    let noise = noise_of(&records);
+    let (_, floor) = floor(&case, &records, &noise);
+    let fitted = Fitted::new(TrialModel::base(spec, case, records), &noise, Effort::Plain);
+    let fitted = fitted.map_err(GapError::Numerics)?;
+    let explains = fitted.score.explains() || at_floor(&fitted, floor);
+    Ok(Standing { gap: fitted.score.gap(), samples: fitted.score.judged, explains })
 }
 
 /// Searches from the estimate of the states that only outputs tell. Where nothing explains the data from

@@ -16,6 +16,7 @@
 //! ```
 
 mod columns;
+mod compare;
 mod folders;
 mod laws;
 mod load;
@@ -27,6 +28,7 @@ mod whole;
 
 pub use columns::Columns;
 pub(crate) use columns::headings;
+pub use compare::compare;
 pub use folders::{data_file, named_files, open_plain_file, opened};
 pub use laws::{LawFolderError, beside, catalogue, doubts, law_files};
 pub use load::{Purpose, Refusal, load, load_text, open, open_text, spec_text, start_of, with_assignments};

@@ -6,7 +6,7 @@ use crate::laws::Catalogue;
 use crate::loaded::Loaded;
 use crate::options::Options;
 use crate::record::Record;
-use phisindy_gap::{self as workflow, Activity, Status, Step};
+use phisindy_gap::{self as workflow, Activity, Standing, Status, Step};
 use phisindy_report::equations;
 use phisindy_report::{Ending, Folder, Format, GapReport, Invocation, StopReason};
 
@@ -37,9 +37,17 @@ impl Loaded {
     }
 }
 
+impl Loaded {
+    /// How the model does as it is.
+    pub(crate) fn standing(&self) -> Result<Standing, Error> {
+        self.comparable()?;
+        Ok(workflow::standing(self.parsed.clone(), self.case.clone(), self.records.clone())?)
+    }
+}
+
 /// What the search found. A gap is the rms of the residual of a free run in units of the noise: 1 is perfect.
 pub struct Gap {
-    result: workflow::Gap,
+    pub(crate) result: workflow::Gap,
     loaded: Loaded,
     laws: Catalogue,
 }

@@ -61,8 +61,8 @@ impl Loaded {
 
 /// What was identified. Numbers are in SI.
 pub struct Identified {
-    loaded: Loaded,
-    result: learn::Identified,
+    pub(crate) loaded: Loaded,
+    pub(crate) result: learn::Identified,
 }
 
 /// The rate of one state.
@@ -178,8 +178,12 @@ impl Identified {
     /// # Errors
     /// The text cannot hold what was identified.
     pub fn case(&self) -> Result<Case, Error> {
-        let text = spec_text::identified(self.loaded.input(), &self.result)
-            .map_err(|why| Error::Completed(why.to_string()))?;
-        Ok(Case::read(&text)?)
+        Ok(Case::read(&self.model()?)?)
+    }
+
+    /// The same as the text of a spec.
+    pub(crate) fn model(&self) -> Result<String, Error> {
+        spec_text::identified(self.loaded.input(), &self.result)
+            .map_err(|why| Error::Completed(why.to_string()))
     }
 }

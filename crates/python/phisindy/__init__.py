@@ -18,13 +18,14 @@ from ._cluster import map, sweep
 from ._errors import DataError, NumericsError, PhisindyError, SpecError
 from ._estimator import PhisindyRegressor
 from ._journal import Failed
-from ._results import Gap, Identified, Motion
+from ._results import Comparison, Gap, Identified, Motion
 from ._sweep import Sweep
-from ._work import gap, laws, run, simulate
+from ._work import compare, gap, laws, run, simulate
 from ._native import __version__
 
 __all__ = [
     "Case",
+    "Comparison",
     "DataError",
     "Failed",
     "Gap",
@@ -36,6 +37,7 @@ __all__ = [
     "SpecError",
     "Sweep",
     "__version__",
+    "compare",
     "gap",
     "laws",
     "map",

@@ -16,6 +16,7 @@ __all__ = [
     "SpecError",
     "Stop",
     "__version__",
+    "compare",
     "laws",
     "motion",
     "motions",
@@ -113,4 +114,13 @@ def motions(case: Case, tables: list[Columns], seed: int | None = None) -> list[
 def motion(case: Case, table: Columns, start: str) -> dict[str, Any]: ...
 def rates(case: Case, table: Columns) -> list[tuple[str, Column]]: ...
 def truth(case: Case) -> list[tuple[str, float]]: ...
+def compare(
+    paths: list[Path],
+    *,
+    data: Path | None = None,
+    laws: Path | None = None,
+    jobs: int | None = None,
+    progress: Callable[[float, str], object] | None = None,
+    stop: Stop | None = None,
+) -> tuple[str, list[tuple[str, str]]]: ...
 def save(files: list[tuple[str, str]], folder: Path, force: bool) -> None: ...

@@ -44,6 +44,51 @@ class Motion(Mapping[str, Array]):
         return f"Motion({self.record!r}: {', '.join(self)})"
 
 
+class Comparison:
+    """What changed between two records of a machine, or which of many machines stands out.
+
+    ``sentence`` says it, ``verdict`` is ``"unchanged"``, ``"changed"`` or ``"unexplained"`` of two and ``None`` of more;
+    ``to_dict()`` is the JSON of ``phisindy compare``.
+    """
+
+    def __init__(self, text: str, files: list[tuple[str, str]]) -> None:
+        self._text = text
+        self._files = dict(files)
+
+    @cached_property
+    def _json(self) -> dict[str, Any]:
+        found: dict[str, Any] = json.loads(self._files["result.json"])
+        return found
+
+    @property
+    def sentence(self) -> str:
+        return str(self._json["sentence"])
+
+    @property
+    def verdict(self) -> str | None:
+        return self._json.get("verdict")
+
+    def to_dict(self) -> dict[str, Any]:
+        """The JSON of the command."""
+        return dict(self._json)
+
+    def save(self, folder: str | os.PathLike[str], *, force: bool = False) -> Path:
+        """Writes the folder that ``--out`` of the command writes: report.html with its picture, result.json."""
+        path = path_of("folder", folder)
+        _native.save(list(self._files.items()), path, force)
+        return path
+
+    def __str__(self) -> str:
+        return self._text
+
+    def __repr__(self) -> str:
+        return f"Comparison({self.sentence!r})"
+
+    def _repr_html_(self) -> str:
+        page = html.escape(self._files["report.html"], quote=True)
+        return f'<iframe srcdoc="{page}" style="width:100%;height:40em;border:0"></iframe>'
+
+
 def _numbers(what: str, given: Any) -> dict[str, Any]:
     """The numbers of an argument by name."""
     if given is not None and not isinstance(given, Mapping):

@@ -13,7 +13,7 @@ from . import _native
 from ._arguments import jobs_of, method_of, path_of, seed_of
 from ._case import Case, case_of
 from ._errors import DataError
-from ._results import Gap, Identified, Motion
+from ._results import Comparison, Gap, Identified, Motion
 from ._tables import records
 
 if TYPE_CHECKING:
@@ -92,6 +92,27 @@ def simulate(model: Case | Identified | Gap, data: Any = None, *, seed: int | No
     """
     native = case_of(model.case if isinstance(model, (Identified, Gap)) else model)._native
     return [Motion(motion) for motion in _native.motions(native, records(data, native.headings), seed_of(seed))]
+
+
+def compare(
+    *paths: str | os.PathLike[str],
+    data: str | os.PathLike[str] | None = None,
+    laws: str | os.PathLike[str] | None = None,
+    jobs: int | None = None,
+    progress: bool | Tell = False,
+) -> Comparison:
+    """What changed from an older record to a newer one, or which of many machines stands out: ``phisindy compare``.
+
+    Each path is a spec or the folder of a result (``save``, ``--out``). ``data`` is the folder of data files that do not
+    lie beside their specs, ``laws`` one of further laws.
+    """
+    folder = None if data is None else path_of("data", data)
+    given, jobs, own = [path_of("path", path) for path in paths], jobs_of(jobs), _folder(laws)
+    with _heard(progress, "compare") as tell:
+        text, files = _native.compare(
+            given, data=folder, laws=own, jobs=jobs, progress=tell, stop=_stopping.by
+        )
+    return Comparison(text, files)
 
 
 def laws(folder: str | os.PathLike[str] | None = None) -> list[dict[str, str]]:

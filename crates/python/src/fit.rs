@@ -4,7 +4,7 @@ use crate::errors::{DataError, Failure, raised, spec_error};
 use crate::table::{Slices, Table, columns, slices};
 use crate::work::{Observe, Stop, worked};
 use phisindy::files::{
-    FolderError, Naming, Purpose, Request, ResultFolder, law_files, named_files, open_text,
+    self, FolderError, Naming, Purpose, Request, ResultFolder, law_files, named_files, open_text,
 };
 use phisindy::{
     Case, Catalogue, Error, Folder, Format, Gap, Identified, Loaded, Method, Options, RecordError,
@@ -17,6 +17,7 @@ pub(crate) fn add(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_class::<NativeCase>()?;
     m.add_class::<NativeRun>()?;
     m.add_class::<NativeGap>()?;
+    m.add_function(wrap_pyfunction!(compare, m)?)?;
     m.add_function(wrap_pyfunction!(save, m)?)
 }
 
@@ -165,6 +166,28 @@ fn method(name: Option<&str>) -> PyResult<Option<Method>> {
 fn catalogue(folder: Option<PathBuf>) -> PyResult<Option<Catalogue>> {
     let all = folder.map(|folder| phisindy::files::catalogue(&[&folder]));
     all.transpose().map_err(|e| DataError::new_err(e.to_string()))
+}
+
+/// Sets specs or results beside each other: the text, and path and text of each file.
+#[pyfunction]
+#[pyo3(signature = (paths, *, data=None, laws=None, jobs=None, progress=None, stop=None))]
+fn compare(
+    py: Python<'_>,
+    paths: Vec<PathBuf>,
+    data: Option<PathBuf>,
+    laws: Option<PathBuf>,
+    jobs: Option<usize>,
+    progress: Option<Py<PyAny>>,
+    stop: Option<&Stop>,
+) -> PyResult<(String, Vec<(String, String)>)> {
+    let further_data = further_data(py);
+    let request = Request { data, further_data, laws, naming: Naming::Variable, ..Request::default() };
+    let compared = worked(py, jobs, progress.as_ref(), stop, |observe| {
+        let report =
+            files::compare(&paths, &request, &Options { observe: Some(observe), ..Options::default() })?;
+        Ok((report.written(Format::Text), Folder::of_comparison(&report, &[]).files))
+    });
+    compared?.map_err(DataError::new_err::<String>)
 }
 
 /// Puts the files of a result, path and text of each, into a folder.

@@ -387,3 +387,29 @@ def test_a_grid_search_prefers_the_right_dictionary():
 def test_the_laws_are_there():
     laws = {law["id"]: law for law in phisindy.laws()}
     assert "stribeck" in laws and laws["stribeck"]["reference"]
+
+
+def test_records_of_one_machine_are_compared(tmp_path):
+    """A swing whose friction fell, by specs that hold all else."""
+    t = np.arange(0.0, 9.0, 0.01)
+    noise = np.random.default_rng(5)
+    for name, friction in (("old", 0.30), ("new", 0.24)):
+        swing = np.floor(t / np.pi)
+        x = friction * (-1.0) ** swing + (2.0 - friction - 2.0 * friction * swing) * np.cos(t)
+        rows = np.column_stack([t, x + 0.002 * noise.standard_normal(t.size)])
+        np.savetxt(tmp_path / f"{name}.csv", rows, delimiter=",", header="t,x", comments="", fmt="%.6f")
+        (tmp_path / f"{name}.ron").write_text(
+            f"""(states: {{ "x": "m", "v": "m/s" }}, constants: {{ "k": (1.0, "1/s^2") }},
+            known: {{ "x": "v", "v": "-k*x" }}, contacts: ["v"], unknown: {{ "v": (factor: "-sgn(v)", candidates: ["1"]) }},
+            data: [ Csv(path: "{name}.csv", time: "t", columns: {{ "x": "x" }}) ])"""
+        )
+    found = phisindy.compare(tmp_path / "old.ron", tmp_path / "new.ron")
+    assert found.verdict == "changed"
+    assert found.to_dict()["changed"] == ["c_v"], found
+    assert "fell by 20" in found.sentence or "fell by 19" in found.sentence
+    assert (found.save(tmp_path / "kept") / "report.html").is_file()
+    assert "<iframe" in found._repr_html_()
+    same = phisindy.compare(tmp_path / "old.ron", tmp_path / "old.ron")
+    assert same.verdict == "unchanged", same
+    with pytest.raises(phisindy.DataError, match="nowhere"):
+        phisindy.compare(tmp_path / "old.ron", tmp_path / "nowhere.ron")

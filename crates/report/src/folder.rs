@@ -6,7 +6,7 @@ use crate::html::{self, HtmlReport};
 use crate::input::{Ending, Invocation};
 use crate::run::RunReport;
 use crate::spec_text::{COMPLETED, IDENTIFIED, completed, identified};
-use crate::{Format, Input};
+use crate::{CompareReport, Format, Input};
 use phisindy_gap::DISCOVERED;
 use phisindy_learn::Identified;
 
@@ -90,6 +90,14 @@ impl Folder {
     /// Adds a file by its path in the folder.
     pub fn add(&mut self, name: &str, text: String) {
         self.files.push((name.to_owned(), text));
+    }
+
+    /// What `compare` keeps.
+    pub fn of_comparison(report: &CompareReport, arguments: &[String]) -> Folder {
+        let mut all = Folder::default();
+        all.add(RESULT, report.json_lines());
+        all.add_report(report.html(arguments));
+        all
     }
 
     fn add_report(&mut self, report: HtmlReport) {

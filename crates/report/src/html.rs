@@ -16,14 +16,14 @@ mod mathml;
 mod missing_force;
 mod motion;
 mod next;
-mod page;
+pub(crate) mod page;
 mod regimes;
 mod reproduction;
 mod residual;
 mod run;
 mod selection;
 mod shrink;
-mod table;
+pub(crate) mod table;
 
 use crate::format::capital;
 use crate::gap::GapReport;

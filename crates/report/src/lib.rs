@@ -7,12 +7,14 @@
 //!                            +--> HtmlReport: page, figures  (html <-- chart <-- markup)
 //! Identified --> identified spec                             (spec_text)
 //! runs of a sweep --> Statistics --> table, JSON             (sweep)
+//! Comparison, Fleet --> CompareReport --> text, JSON, HtmlReport (compare)
 //! a model without unknown part --> Python, C, Modelica, JSON (export)
 //! RunReport, GapReport --> Folder: the files of `--out`
 //! laws --> list, gallery, pictures                           (laws)
 //! ```
 
 mod chart;
+mod compare;
 mod equation;
 pub mod export;
 mod folder;
@@ -32,6 +34,7 @@ pub mod table;
 mod terminal;
 mod tied;
 
+pub use compare::CompareReport;
 pub use equation::{Equation, equations};
 pub use folder::{Folder, PROVENANCE, RESULT, SPEC};
 pub use format::Format;

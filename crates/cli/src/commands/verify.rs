@@ -2,33 +2,21 @@
 
 use crate::args::{Format, Options};
 use crate::interrupt;
-use crate::progress::Progress;
+use crate::progress::watched;
 use crate::terminal::{INPUT, REJECTED, complain, print};
 use anyhow::Result;
-use phisindy::Options as Work;
 use phisindy::files::{Difference, verify as made_again};
 use serde_json::json;
-use std::ops::ControlFlow;
 use std::path::Path;
-use std::sync::Mutex;
 
 /// Most values that are listed.
 const SHOWN: usize = 12;
 
 /// Makes a result again and says what differs; returns the exit code.
 pub(crate) fn verify(folder: &Path, options: &Options) -> Result<u8> {
-    let verified = {
-        let progress = Mutex::new(Progress::new(&folder.display().to_string(), options.quiet));
-        let observe = |now: phisindy::Progress<'_>| {
-            if let Ok(mut progress) = progress.lock() {
-                progress.doing(now.activity);
-                progress.at(now.fraction);
-            }
-            if interrupt::requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-        };
-        let work = Work { observe: Some(&observe), ..Work::default() };
-        made_again(folder, options.data.as_deref(), &work)
-    };
+    let verified = watched(&folder.display().to_string(), options.quiet, |work| {
+        made_again(folder, options.data.as_deref(), work)
+    });
     let verified = match verified {
         Ok(verified) => verified,
         Err(why) => {

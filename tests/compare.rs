@@ -1,0 +1,272 @@
+//! Records of one machine over time, and of many machines. Data of an integrator of this file.
+//!
+//! `PHISINDY_PAIRS=100 PHISINDY_SEED=7 cargo test -p phisindy-cli compare` draws so many pairs of each kind.
+#![allow(missing_docs, clippy::print_stderr)]
+
+use crate::common::{Outcome, Scratch, phisindy};
+use serde_json::Value;
+use std::f64::consts::TAU;
+use std::fmt::Write as _;
+use std::fs;
+use std::path::Path;
+
+/// A generator of its own (D. E. Knuth's constants).
+struct Dice(u64);
+
+impl Dice {
+    /// Small seeds are alike in their first numbers.
+    fn new(seed: u64) -> Dice {
+        let mut dice = Dice(seed);
+        (0..20).for_each(|_| _ = dice.unit());
+        dice
+    }
+
+    fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        ((self.0 >> 11) as f64 + 0.5) / (1_u64 << 53) as f64
+    }
+
+    fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.unit()
+    }
+
+    fn normal(&mut self) -> f64 {
+        (-2.0 * self.unit().ln()).sqrt() * (TAU * self.unit()).cos()
+    }
+}
+
+/// A slider on a spring, and what reads its place.
+#[derive(Clone, Copy)]
+struct Rig {
+    mass: f64,
+    stiffness: f64,
+    damping: f64,
+    friction: f64,
+    /// Half the play of the spring (m).
+    play: f64,
+    gain: f64,
+    drive: f64,
+}
+
+impl Rig {
+    fn drawn(dice: &mut Dice) -> Rig {
+        let drive = dice.between(3.0, 8.0);
+        Rig {
+            mass: dice.between(0.5, 3.0),
+            stiffness: dice.between(200.0, 1200.0),
+            damping: dice.between(0.5, 3.0),
+            friction: drive * dice.between(0.1, 0.25),
+            play: 0.0,
+            gain: 1.0,
+            drive,
+        }
+    }
+
+    /// 9 s at 200 Hz with 1 % noise, by steps of 20 us in which friction takes what it can of the speed (J. J. Moreau,
+    /// Unilateral contact and dry friction in finite freedom dynamics, 1988).
+    fn record(&self, path: &Path, dice: &mut Dice) {
+        let (h, every) = (2e-5, 250);
+        let natural = (self.stiffness / self.mass).sqrt();
+        let tones = [(1.0, 0.65), (0.6, 1.22), (0.4, 0.31)];
+        let tones = tones.map(|(part, ratio)| (part * self.drive, ratio * natural, dice.between(0.0, TAU)));
+        let (mut x, mut v, mut rows) = (0.0_f64, 0.0_f64, vec![]);
+        for step in 0..(9.0 / h) as usize {
+            let t = step as f64 * h;
+            let force: f64 = tones.iter().map(|(size, rate, phase)| size * (rate * t + phase).cos()).sum();
+            if step % every == 0 {
+                rows.push((t, x, force));
+            }
+            let reach = (x.abs() - self.play).max(0.0) * x.signum();
+            let free = v + h * (force - self.stiffness * reach - self.damping * v) / self.mass;
+            let most = h * self.friction / self.mass;
+            v = free - free.clamp(-most, most);
+            x += h * v;
+        }
+        let size = (rows.iter().map(|(_, x, _)| x * x).sum::<f64>() / rows.len() as f64).sqrt();
+        let mut text = "t,x,F\n".to_owned();
+        for (t, x, force) in rows {
+            let _ = writeln!(text, "{t:.3},{},{force}", self.gain * x + 0.01 * size * dice.normal());
+        }
+        fs::write(path, text).expect("data");
+    }
+
+    /// Its spec: all numbers held, or all but the mass to be found from other ones.
+    fn spec(&self, path: &Path, data: &str, held: bool) {
+        let Rig { mass, stiffness: k, damping: c, friction: f, .. } = self;
+        let numbers = if held {
+            format!(r#""k": ({k:?}, "N/m"), "c": ({c:?}, "N*s/m"), "Fc": ({f:?}, "N")"#)
+        } else {
+            format!(
+                r#""k": (value: {:?}, unit: "N/m", within: ({:?}, {:?})), "c": (value: {c:?}, unit: "N*s/m", within: (0.0, {:?})),
+                "Fc": Find(start: {:?}, unit: "N", within: (0.0, {:?}))"#,
+                1.05 * k,
+                0.5 * k,
+                2.0 * k,
+                8.0 * c,
+                0.7 * f,
+                8.0 * f
+            )
+        };
+        let record = format!(r#"Csv(path: "{data}", time: "t", columns: {{ "x": "x", "F": "F" }}, window: "#);
+        let text = format!(
+            r#"(
+    constants: {{ "m": ({mass:?}, "kg"), {numbers} }},
+    states: {{ "x": "m", "v": "m/s" }}, inputs: {{ "F": "N" }},
+    known: {{ "x": "v", "v": "(F - k*x - c*v - Fc*sgn(v))/m" }},
+    inertia: {{ "v": "m" }}, contacts: ["v"], unknown: {{}},
+    data: [ {record}(0.0, 6.0)), {record}(6.0, 9.0), role: Validate) ],
+)
+"#
+        );
+        fs::write(path, text).expect("a spec");
+    }
+}
+
+fn compared(paths: &[&str]) -> (i32, Value) {
+    let Outcome { code, out, err } =
+        phisindy(&[&["compare"], paths, &["--format", "json", "--quiet"]].concat());
+    (code, serde_json::from_str(&out).unwrap_or_else(|_| panic!("no JSON: {out}{err}")))
+}
+
+/// Names of what is told: numbers that changed, laws that are new.
+fn told(of: &Value) -> Vec<String> {
+    let list = |key: &str| of[key].as_array().expect("a list").clone();
+    let text = |value: &Value| value.as_str().expect("text").to_owned();
+    let causes = list("causes");
+    list("changed").iter().map(text).chain(causes.iter().map(|cause| text(&cause["law"]))).collect()
+}
+
+/// A kind of change: what it is called, what it does, and what is to be told.
+type Kind = (&'static str, fn(&mut Rig), &'static [&'static str]);
+
+const KINDS: &[Kind] = &[
+    ("nothing", |_| {}, &[]),
+    ("friction -20 %", |rig| rig.friction *= 0.8, &["Fc"]),
+    ("stiffness -3 %", |rig| rig.stiffness *= 0.97, &["k"]),
+    ("a play", |rig| rig.play = 0.12 * rig.drive / rig.stiffness, &["dead zone (play)"]),
+    ("another sensor", |rig| rig.gain = 1.03, &["gain of x"]),
+];
+
+fn setting(name: &str, otherwise: u64) -> u64 {
+    std::env::var(name).ok().and_then(|text| text.parse().ok()).unwrap_or(otherwise)
+}
+
+#[test]
+fn what_changed_is_told_by_its_name() {
+    let (pairs, seed) = (setting("PHISINDY_PAIRS", 1), setting("PHISINDY_SEED", 1));
+    for (k, (kind, change, wanted)) in KINDS.iter().enumerate() {
+        let mut right = 0;
+        for pair in 0..pairs {
+            let mut dice = Dice::new(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ (1000 * pair + 7 * k as u64));
+            let scratch = Scratch::new("pair");
+            let old = Rig::drawn(&mut dice);
+            let mut new = old;
+            change(&mut new);
+            for (name, rig) in [("old", old), ("new", new)] {
+                rig.record(&scratch.0.join(format!("{name}.csv")), &mut dice);
+                // The spec is that of the machine as it was.
+                old.spec(&scratch.0.join(format!("{name}.ron")), &format!("{name}.csv"), pair % 2 == 1);
+            }
+            let (code, of) = compared(&[&scratch.path("old.ron"), &scratch.path("new.ron")]);
+            let good = told(&of) == *wanted && code == i32::from(!wanted.is_empty());
+            right += u64::from(good);
+            if !good {
+                eprintln!("{kind}, pair {pair}: {} {:?}", of["verdict"], told(&of));
+            }
+        }
+        if pairs > 1 {
+            eprintln!("{kind}: {right} of {pairs} right");
+        }
+        // By binomial chance a rate of 95 % falls below this once in a thousand.
+        let least = 0.95 * pairs as f64 - 3.0 * (0.05 * pairs as f64).sqrt();
+        assert!(right as f64 >= least && right > 0, "{kind}: {right} of {pairs}");
+    }
+}
+
+#[test]
+fn a_worn_machine_of_a_fleet_comes_first() {
+    let (scratch, mut dice) = (Scratch::new("fleet"), Dice::new(3));
+    let base =
+        Rig { mass: 2.0, stiffness: 800.0, damping: 1.5, friction: 0.7, play: 0.0, gain: 1.0, drive: 4.0 };
+    let mut paths = vec![];
+    for k in 0..12 {
+        let mut rig = base;
+        rig.stiffness *= 1.0 + 0.01 * dice.normal();
+        rig.friction *= if k == 8 { 1.5 } else { 1.0 + 0.03 * dice.normal() };
+        rig.record(&scratch.0.join(format!("{k}.csv")), &mut dice);
+        base.spec(&scratch.0.join(format!("{k}.ron")), &format!("{k}.csv"), false);
+        paths.push(scratch.path(&format!("{k}.ron")));
+    }
+    let paths: Vec<&str> = paths.iter().map(String::as_str).collect();
+    let (code, of) = compared(&paths);
+    let machines = of["machines"].as_array().expect("machines");
+    assert_eq!((code, machines.len()), (1, 12));
+    assert_eq!(
+        (machines[0]["name"].as_str(), &machines[0]["needs_care"]),
+        (Some(paths[8]), &true.into()),
+        "{of}"
+    );
+    let stands_out = |n: &Value| n["name"] == "Fc" && n["stands_out"] == true;
+    assert!(machines[0]["numbers"].as_array().expect("numbers").iter().any(stands_out), "{}", machines[0]);
+    // The spread of friction is that of the others.
+    let friction =
+        of["spreads"].as_array().expect("spreads").iter().find(|s| s["name"] == "Fc").expect("friction");
+    let spread =
+        friction["spread"].as_f64().expect("a number") / friction["mean"].as_f64().expect("a number");
+    assert!((0.012..0.06).contains(&spread), "{friction}");
+}
+
+/// A folder of a result stands for its spec, and the comparison is kept with its picture.
+#[test]
+fn results_are_compared_and_kept() {
+    let (scratch, mut dice) = (Scratch::new("results"), Dice::new(9));
+    let mut rig = Rig::drawn(&mut dice);
+    for name in ["old", "new"] {
+        rig.record(&scratch.0.join(format!("{name}.csv")), &mut dice);
+        // The model lacks its friction, which `gap` finds.
+        let path = scratch.0.join(format!("{name}.ron"));
+        rig.spec(&path, &format!("{name}.csv"), true);
+        let text = fs::read_to_string(&path).expect("a spec");
+        let start = text.find(r#", "Fc": ("#).expect("its friction");
+        let end = start + text[start..].find(')').expect("an end") + 1;
+        let text = format!("{}{}", &text[..start], &text[end..]).replace(" - Fc*sgn(v)", "");
+        fs::write(&path, text).expect("a spec");
+        rig.friction *= 0.8;
+    }
+    let (old, new, out) = (scratch.path("old.ron"), scratch.path("new.ron"), scratch.path("found"));
+    assert_eq!(phisindy(&["gap", &old, "--out", &out, "--quiet"]).code, 0);
+    let kept = scratch.path("compared");
+    let done = phisindy(&["compare", &out, &new, "--out", &kept, "--quiet", "--format", "text"]);
+    assert_eq!(done.code, 1, "{}", done.err);
+    assert!(
+        done.out.starts_with("changed: Fc fell by ") || done.out.starts_with("changed: Fc_v fell by "),
+        "{}",
+        done.out
+    );
+    let page = fs::read_to_string(scratch.0.join("compared/report.html")).expect("a report");
+    assert!(page.contains("Fc fell by") && page.ends_with("</html>\n"));
+    assert!(scratch.0.join("compared/figures/numbers.svg").is_file());
+}
+
+#[test]
+fn what_cannot_be_compared_is_told() {
+    let (scratch, mut dice) = (Scratch::new("strangers"), Dice::new(5));
+    let rig = Rig::drawn(&mut dice);
+    rig.record(&scratch.0.join("a.csv"), &mut dice);
+    rig.spec(&scratch.0.join("a.ron"), "a.csv", true);
+    let text = fs::read_to_string(scratch.0.join("a.ron")).expect("a spec");
+    fs::write(scratch.0.join("b.ron"), text.replace("\"x\"", "\"y\"").replace("k*x", "k*y")).expect("a spec");
+    let [a, b] = ["a.ron", "b.ron"].map(|name| scratch.path(name));
+    let empty = scratch.path("empty");
+    fs::create_dir(&empty).expect("a folder");
+    for (paths, why) in [
+        (vec![a.as_str(), "nowhere.ron"], "nowhere.ron"),
+        (vec![&a, &empty], "no folder of a result"),
+        (vec![&a, &b], "column"),
+        (vec![&a], "2 values required"),
+    ] {
+        let Outcome { code, out, err } = phisindy(&[&["compare"], paths.as_slice(), &["--quiet"]].concat());
+        assert_eq!((code, out.as_str()), (2, ""), "{paths:?}: {err}");
+        assert!(err.contains(why), "{err}");
+    }
+}
