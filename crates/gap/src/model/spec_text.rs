@@ -49,8 +49,10 @@ pub(crate) fn text_with(
 ) -> Result<String, SpecTextError> {
     let mut text = Text(text.to_owned());
     if let Some(kind) = inputs {
+        let names = model.given.spec.inputs.iter().map(|(name, _)| format!("{:?}: {kind:?}", name.value));
+        let all = format!("{{ {} }}", names.collect::<Vec<_>>().join(", "));
         for record in 0..model.given.spec.data.len() {
-            text.set(&format!("data.{record}.interpolate"), &format!("{kind:?}"))?;
+            text.set(&format!("data.{record}.interpolate"), &all)?;
         }
     }
     start_values(&mut text, model)?;
@@ -335,5 +337,26 @@ pub(crate) fn expression(applied: &Applied) -> String {
     match (&effect.entry.law.push, &effect.load) {
         (Some(push), None) => rename(push, &replacements(applied)).unwrap_or_default(),
         _ => format!("-({})", force_text(applied).unwrap_or_default()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_models::model;
+    use phisindy_phys::{SourceId, check, spec};
+
+    /// Inputs that are drawn otherwise are so in the completed spec, which can be read.
+    #[test]
+    fn a_completed_spec_draws_its_inputs_as_the_model_does() {
+        let text = r#"(states: { "x": "", "v": "" }, constants: { "k": 1.0 }, inputs: { "F": "", "u": "" },
+            known: { "x": "v", "v": "F - k*(x - u)" }, unknown: {},
+            data: [ Synthetic(truth: {}, start: { "x": 1.0, "v": 0.0 }, duration: 10.0, step: 0.1, seed: 1,
+                inputs: { "F": Formula("sin(t)"), "u": Formula("cos(2*t)") }, noise: Additive(0.01)) ])"#;
+        let (model, _) = model(text);
+        let written = text_with(text, &model, Some(Interpolation::Linear)).expect("a text");
+        let (spec, _) = spec::read(&written, SourceId(0)).expect("a spec");
+        let (case, _) = check(&spec, SourceId(0)).expect("a case");
+        assert_eq!(case.records[0].interpolation, [Interpolation::Linear; 2]);
     }
 }

@@ -367,7 +367,7 @@ impl Display for Warning {
             ),
             Warning::Redrawn { from, to } => write!(
                 f,
-                "with `interpolate: {to:?}` for the inputs (now {from:?}) the model explains the data: how does the input move between its samples?"
+                "with inputs that go `{to:?}` between their samples (`interpolate`; now {from:?}) the model explains the data: how does the input move there?"
             ),
             Warning::CoarseInput(CoarseInput { inputs, open, effect }) => write!(
                 f,
