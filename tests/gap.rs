@@ -715,9 +715,12 @@ fn a_held_force_is_not_a_delay() {
     let text = held_force(&folder);
     let (found, code) = gap(&folder, &text);
     assert_eq!((found["status"].as_str(), code), (Some("nothing-missing"), 0), "{found}");
-    assert!(warnings(&found).contains("interpolate: Hold"), "{}", warnings(&found));
+    assert!(warnings(&found).contains("inputs that go `Hold` between their samples"), "{}", warnings(&found));
     let completed = std::fs::read_to_string(folder.join("out/completed.ron")).expect("a completed spec");
-    assert!(completed.contains("interpolate: Hold"), "{completed}");
+    assert!(completed.contains(": Hold }"), "{completed}");
+    let path = folder.join("out/completed.ron");
+    let checked = crate::common::phisindy(&["check", path.to_str().expect("UTF-8")]);
+    assert_eq!(checked.code, 0, "{}", checked.err);
 }
 
 /// A friction tester: displacement and force, Coulomb friction and a damper. Dieterich and Ruina's law has a
