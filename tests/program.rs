@@ -247,7 +247,16 @@ fn out_writes_whole_files() {
     let mut names: Vec<String> =
         entries.map(|e| e.expect("an entry").file_name().to_string_lossy().into_owned()).collect();
     names.sort();
-    assert_eq!(names, ["equation.tex", "figures", "identified.ron", "report.html", "result.json"]);
+    let wanted = [
+        "equation.tex",
+        "figures",
+        "identified.ron",
+        "provenance.json",
+        "report.html",
+        "result.json",
+        "spec.ron",
+    ];
+    assert_eq!(names, wanted);
 }
 
 #[test]

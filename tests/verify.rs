@@ -107,8 +107,9 @@ fn a_result_keeps_its_spec() {
     let again = phisindy(&["run", &format!("{out}/spec.ron"), "--quiet"]);
     assert_eq!(again.code, 0, "{}", again.err);
     let page = fs::read_to_string(folder.join("found/report.html")).expect("a report");
-    let hash = page.split_once("SHA-256 of spec, data, laws and version: ").expect("the hash").1;
-    assert!(hash[..64].bytes().all(|b| b.is_ascii_hexdigit()), "{}", &hash[..64]);
+    let after = page.split_once("SHA-256 of spec, data, laws and version").expect("the hash").1;
+    let of_digits = |word: &str| word.len() == 64 && word.bytes().all(|b| b.is_ascii_hexdigit());
+    assert!(after.split(['<', '>']).take(30).any(of_digits), "{}", &after[..500]);
 }
 
 #[test]

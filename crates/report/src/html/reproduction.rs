@@ -22,16 +22,17 @@ pub(crate) fn command(
     invocation: &Invocation,
 ) -> Vec<Element> {
     let words: Vec<String> = invocation.arguments.iter().map(|word| quoted(word)).collect();
+    let version = paragraph(concat!("Written by phisindy ", env!("CARGO_PKG_VERSION"), "."));
     let hash = invocation.inputs.as_ref().map(|hash| {
-        format!(" SHA-256 of spec, data, laws and version: {hash}; `phisindy verify` makes the result again.")
+        let words = "SHA-256 of spec, data, laws and version; `phisindy verify` makes the result again:";
+        [paragraph(words), block(hash, "hash")]
     });
-    let version = format!("Written by phisindy {}.{}", env!("CARGO_PKG_VERSION"), hash.unwrap_or_default());
-    let version = paragraph(&version);
     let after = if invocation.assigned { ", every --set in it" } else { "" };
     let heading = element("h3").text(format!("{spec}{after}"));
     let command = block(&format!("phisindy {}", words.join(" ")), "command");
     let spec = text.map(|text| [heading, block(text, "spec")]);
-    [version, command].into_iter().chain(seeds).chain(spec.into_iter().flatten()).collect()
+    let hash = hash.into_iter().flatten();
+    [version, command].into_iter().chain(seeds).chain(hash).chain(spec.into_iter().flatten()).collect()
 }
 
 /// A word quoted for a shell.
