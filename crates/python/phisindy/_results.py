@@ -66,7 +66,8 @@ class Comparison:
 
     @property
     def verdict(self) -> str | None:
-        return self._json.get("verdict")
+        word: str | None = self._json.get("verdict")
+        return word
 
     def to_dict(self) -> dict[str, Any]:
         """The JSON of the command."""
