@@ -95,6 +95,28 @@ fn a_result_comes_out_again_or_is_told_what_changed() {
     assert_eq!(verify(&found, &["--data", &there]).0, 0);
 }
 
+/// A spec may name its data by a path below the folder of data; what it wrote finds them, with that folder moved, too.
+#[test]
+fn data_below_the_folder_of_data_are_found() {
+    let scratch = Scratch::new("below");
+    let folder = scratch.0.as_path();
+    measured(folder);
+    fs::create_dir_all(folder.join("data/june")).expect("a folder");
+    fs::rename(folder.join("run.csv"), folder.join("data/june/run.csv")).expect("moved");
+    replaced(&folder.join("rig.ron"), "run.csv", "june/run.csv");
+    let [rig, data, out] = ["rig.ron", "data", "found"].map(|name| folder.join(name).display().to_string());
+    assert_eq!(phisindy(&["run", &rig, "--data", &data, "--out", &out, "--quiet"]).code, 0);
+    assert_eq!(verify(&folder.join("found"), &[]).0, 0);
+    for (command, spec) in [("run", "spec.ron"), ("simulate", "identified.ron")] {
+        let done = phisindy(&[command, &format!("{out}/{spec}"), "--quiet"]);
+        assert_eq!(done.code, 0, "{spec}: {}", done.err);
+    }
+    fs::rename(folder.join("data"), folder.join("moved")).expect("moved");
+    let (code, of) = verify(&folder.join("found"), &[]);
+    assert_eq!((code, &differences(&of)[0]), (1, &("missing".into(), "../data/june/run.csv".into())));
+    assert_eq!(verify(&folder.join("found"), &["--data", &folder.join("moved").display().to_string()]).0, 0);
+}
+
 /// The kept spec finds its data by itself, and the report has the hash.
 #[test]
 fn a_result_keeps_its_spec() {

@@ -83,7 +83,7 @@ impl NativeCase {
     fn files(&self, py: Python<'_>, tables: bool, laws: Option<PathBuf>) -> Vec<PathBuf> {
         let request = Request { further_data: further_data(py), laws, ..Request::default() };
         let data = if tables { vec![] } else { named_files(self.case.text(), &self.path, &request) };
-        data.into_iter().chain(law_files(&self.path, &request)).collect()
+        data.into_iter().map(|(_, path)| path).chain(law_files(&self.path, &request)).collect()
     }
 
     #[getter]

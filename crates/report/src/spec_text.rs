@@ -5,5 +5,5 @@ mod edit;
 mod identified;
 
 pub use completed::{COMPLETED, completed};
-pub use edit::{head, named_data, with_data};
+pub use edit::{head, named_data, with_data, without_head};
 pub use identified::{IDENTIFIED, identified};

@@ -94,7 +94,8 @@ fn swept(spec: &Path, args: &SweepArgs, options: &Options) -> Result<u8> {
 fn dependencies(spec: &Path, text: &str, method: Method, options: &Options) -> Result<Vec<u8>> {
     let mut all = format!("{method:?}\n{text}").into_bytes();
     let request = options.request();
-    for file in named_files(text, spec, &request).into_iter().chain(law_files(spec, &request)) {
+    let data = named_files(text, spec, &request).into_iter().map(|(_, path)| path);
+    for file in data.chain(law_files(spec, &request)) {
         let content = std::fs::read(&file).with_context(|| format!("cannot read `{}`", file.display()))?;
         all.extend(format!("\n{} ", content.len()).into_bytes());
         all.extend(content);

@@ -55,8 +55,9 @@ pub(crate) fn read(
     record(csv, units, file, spec, sources)
 }
 
-/// The data files that a spec names and that are there, in its order: what a result depends on beside the text.
-pub fn named_files(text: &str, path: &Path, request: &Request) -> Vec<PathBuf> {
+/// The data files that a spec names and that are there, in its order, each once: as it names them, and where they are.
+/// A result depends on them beside the text.
+pub fn named_files(text: &str, path: &Path, request: &Request) -> Vec<(String, PathBuf)> {
     let Ok((spec, _)) = spec::read(text, SourceId(0)) else { return vec![] };
     let folders = Folders::new(request, path, text);
     let inputs = |record: &DataSpec| -> Vec<Text> {
@@ -72,8 +73,14 @@ pub fn named_files(text: &str, path: &Path, request: &Request) -> Vec<PathBuf> {
                 .collect(),
         }
     };
-    let found = |name: Text| folders.find(&name.value, SourceId(0), name.span).ok();
-    spec.data.iter().flat_map(inputs).filter_map(found).collect()
+    let mut all: Vec<(String, PathBuf)> = Vec::new();
+    for name in spec.data.iter().flat_map(inputs) {
+        if all.iter().all(|(other, _)| *other != name.value) {
+            let found = folders.find(&name.value, SourceId(0), name.span);
+            all.extend(found.ok().map(|path| (name.value, path)));
+        }
+    }
+    all
 }
 
 /// Folders of data files, in the order in which they are searched.

@@ -1,6 +1,6 @@
 //! From what a result was made - program, spec, data, laws, each with its SHA-256 - and whether it comes out again.
 
-use super::folders::{named_files, open_plain_file};
+use super::folders::{data_file, named_files, open_plain_file};
 use super::laws::{beside, is_built_in, law_files};
 use super::load::{Purpose, Refusal, load_text, spec_text, with_assignments};
 use super::request::{Assignment, Request};
@@ -8,7 +8,7 @@ use crate::loaded::Loaded;
 use crate::options::Options;
 use phisindy_phys::Sources;
 use phisindy_phys::spec::Method;
-use phisindy_report::spec_text::{COMPLETED, IDENTIFIED, head, with_data};
+use phisindy_report::spec_text::{COMPLETED, IDENTIFIED, head, with_data, without_head};
 use phisindy_report::{Folder, PROVENANCE, RESULT, SPEC};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -56,9 +56,45 @@ pub struct Provenance {
 /// A file that a result depends on.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Source {
-    path: String,
+    /// Where it was looked for.
+    folder: String,
+    /// Its path there: of a data file as the spec names it.
+    name: String,
     /// Empty if it is no plain file.
     sha256: String,
+}
+
+impl Source {
+    /// Of a file that is at `path`, for the folder `out` of a result.
+    fn of(name: &str, path: &Path, out: &Path) -> Source {
+        let below = Path::new(name).components().filter(|part| matches!(part, Component::Normal(_))).count();
+        let folder = path.ancestors().nth(below).unwrap_or(path);
+        let seen = relative(folder, out).unwrap_or_else(|| folder.to_owned());
+        let sha256 = hash_of(path).unwrap_or_default();
+        Source { folder: seen.display().to_string(), name: name.to_owned(), sha256 }
+    }
+
+    /// Of a spec or a law.
+    fn of_text(path: &Path, out: &Path) -> Source {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        Source::of(&name, path, out)
+    }
+
+    /// As a message calls it.
+    fn shown(&self) -> String {
+        if self.folder == "." { self.name.clone() } else { format!("{}/{}", self.folder, self.name) }
+    }
+}
+
+/// The folders of these files, each once.
+fn folders(files: &[Source]) -> Vec<String> {
+    let mut all: Vec<String> = Vec::new();
+    for file in files {
+        if !all.contains(&file.folder) {
+            all.push(file.folder.clone());
+        }
+    }
+    all
 }
 
 /// The version of this program.
@@ -68,24 +104,19 @@ impl Provenance {
     /// Of a result that comes into the folder `out`.
     pub fn of(asked: &Asked<'_>, loaded: &Loaded, out: &Path) -> Provenance {
         let Asked { command, spec, request, method, without } = *asked;
-        let source =
-            |file: &Path| Source { path: seen_from(file, out), sha256: hash_of(file).unwrap_or_default() };
-        let all = |files: Vec<PathBuf>| {
-            let mut all: Vec<Source> = files.iter().map(|file| source(file)).collect();
-            all.dedup_by(|a, b| a.path == b.path);
-            all
-        };
+        let data = named_files(&loaded.given, spec, request);
+        let laws = law_files(spec, request).into_iter().filter(|law| !is_built_in(law));
         Provenance {
             version: VERSION.to_owned(),
             command: if command == Purpose::Gap { "gap" } else { "run" }.to_owned(),
             name: loaded.spec.clone(),
-            spec: source(spec),
+            spec: Source::of_text(spec, out),
             set: request.assignments.iter().map(|a| format!("{}={}", a.path, a.value)).collect(),
             seed: request.seed,
             method: method.map(|m| m.name().to_owned()),
             without: without.to_vec(),
-            data: all(named_files(&loaded.given, spec, request)),
-            laws: all(law_files(spec, request).into_iter().filter(|law| !is_built_in(law)).collect()),
+            data: data.iter().map(|(name, path)| Source::of(name, path, out)).collect(),
+            laws: laws.map(|law| Source::of_text(&law, out)).collect(),
             kept: String::new(),
             result: String::new(),
         }
@@ -105,8 +136,7 @@ impl Provenance {
         let given =
             format!("{}{}` was given (version {VERSION}).\n{}", head(&self.command), self.name, loaded.given);
         files.add(SPEC, given);
-        let mut folders: Vec<String> = self.data.iter().map(|file| folder_of(&file.path)).collect();
-        folders.dedup();
+        let folders = folders(&self.data);
         for (name, text) in &mut files.files {
             if [SPEC, COMPLETED, IDENTIFIED].contains(&name.as_str()) {
                 *text = with_data(text, &folders);
@@ -233,44 +263,36 @@ pub fn verify(folder: &Path, data: Option<&Path>, options: &Options<'_>) -> Resu
     if sha256(result.to_string().as_bytes()) != made.result {
         differences.push(Difference::Edited(RESULT.to_owned()));
     }
-    let spec = folder.join(&made.spec.path);
+    let spec = folder.join(&made.spec.folder).join(&made.spec.name);
     let assignments = made.set.iter().filter_map(|set| set.split_once('='));
     let assignments: Vec<Assignment> = assignments
         .map(|(path, value)| Assignment { path: path.to_owned(), value: value.to_owned() })
         .collect();
-    let moved = |file: &Source| match data {
-        Some(data) => data.join(Path::new(&file.path).file_name().unwrap_or_default()),
-        None => folder.join(&file.path),
-    };
-    for (file, path) in made
-        .data
-        .iter()
-        .map(|file| (file, moved(file)))
-        .chain([&made.spec].into_iter().chain(&made.laws).map(|file| (file, folder.join(&file.path))))
-    {
-        match hash_of(&path) {
+    let mut look = |file: &Source, place: &Path, line: &dyn Fn() -> Option<(usize, String, String)>| {
+        let hash = data_file(place, &file.name).and_then(|path| hash_of(&path).ok());
+        match hash {
             _ if file.sha256.is_empty() => {}
-            Ok(hash) if hash == file.sha256 => {}
-            Ok(_) => {
-                let line = if std::ptr::eq(file, &made.spec) {
-                    changed_line(&kept, &spec, &assignments)
-                } else {
-                    None
-                };
-                differences.push(Difference::Changed(file.path.clone(), line));
-            }
-            // The folder keeps the spec.
-            Err(_) if std::ptr::eq(file, &made.spec) => {}
-            Err(_) => differences.push(Difference::Missing(file.path.clone())),
+            Some(hash) if hash == file.sha256 => {}
+            Some(_) => differences.push(Difference::Changed(file.shown(), line())),
+            None => differences.push(Difference::Missing(file.shown())),
         }
+    };
+    for file in &made.data {
+        look(file, data.unwrap_or(&folder.join(&file.folder)), &|| None);
     }
-    let mut folders: Vec<PathBuf> = made.data.iter().map(|file| folder.join(folder_of(&file.path))).collect();
-    folders.dedup();
-    let mut folders = data.map(Path::to_owned).into_iter().chain(folders);
+    // The folder keeps the spec: without the original it is complete.
+    if spec.is_file() {
+        look(&made.spec, &folder.join(&made.spec.folder), &|| changed_line(&kept, &spec, &assignments));
+    }
+    for law in &made.laws {
+        look(law, &folder.join(&law.folder), &|| None);
+    }
+    let places = folders(&made.data).into_iter().map(|place| folder.join(place));
+    let mut places = data.map(Path::to_owned).into_iter().chain(places);
     let request = Request {
-        data: folders.next(),
-        further_data: folders.next(),
-        named_data: Some(vec![]),
+        data: places.next(),
+        further_data: places.next(),
+        named_data: Some(places.map(|place| place.display().to_string()).collect()),
         laws: laws_folder(&made, folder, &spec),
         seed: made.seed,
         ..Request::default()
@@ -286,8 +308,8 @@ pub fn verify(folder: &Path, data: Option<&Path>, options: &Options<'_>) -> Resu
 /// The folder of further laws, as seen now: that of the laws that do not lie beside the spec.
 fn laws_folder(made: &Provenance, folder: &Path, spec: &Path) -> Option<PathBuf> {
     let beside = spec.parent().map(|parent| parent.join("laws"));
-    let folders = made.laws.iter().map(|law| folder.join(folder_of(&law.path)));
-    folders.into_iter().find(|f| beside.as_ref().and_then(|b| b.canonicalize().ok()) != f.canonicalize().ok())
+    let mut folders = folders(&made.laws).into_iter().map(|place| folder.join(place));
+    folders.find(|f| beside.as_ref().and_then(|b| b.canonicalize().ok()) != f.canonicalize().ok())
 }
 
 /// The result, made once more.
@@ -350,8 +372,7 @@ fn compare(at: &str, then: &Value, now: &Value, found: &mut Vec<Difference>) {
 fn changed_line(kept: &str, spec: &Path, sets: &[Assignment]) -> Option<(usize, String, String)> {
     let now = spec_text(spec).ok()?;
     let now = with_assignments(now, sets, &mut Sources::default()).ok()?;
-    let ours = kept.lines().skip(1).skip_while(|line| line.starts_with("// Data files in: "));
-    let (mut then, mut now) = (ours, now.lines());
+    let (mut then, mut now) = (without_head(kept).lines(), now.lines());
     for number in 1.. {
         match (then.next(), now.next()) {
             (None, None) => return None,
@@ -385,7 +406,11 @@ fn around(text: &str, at: usize) -> String {
 }
 
 fn sha256(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+    hexadecimal(&Sha256::digest(bytes))
+}
+
+fn hexadecimal(hash: &[u8]) -> String {
+    hash.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// The hash of a plain file.
@@ -393,7 +418,7 @@ fn hash_of(path: &Path) -> io::Result<String> {
     let (mut file, mut hash, mut buffer) = (open_plain_file(path)?, Sha256::new(), vec![0; 1 << 16]);
     loop {
         match file.read(&mut buffer)? {
-            0 => return Ok(hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()),
+            0 => return Ok(hexadecimal(&hash.finalize())),
             n => hash.update(&buffer[..n]),
         }
     }
@@ -403,19 +428,6 @@ fn hash_of(path: &Path) -> io::Result<String> {
 fn text_of(path: &Path) -> io::Result<String> {
     open_plain_file(path)?;
     fs::read_to_string(path)
-}
-
-/// The folder of a relative path.
-fn folder_of(path: &str) -> String {
-    let folder = Path::new(path).parent().map(|folder| folder.display().to_string()).unwrap_or_default();
-    if folder.is_empty() { ".".to_owned() } else { folder }
-}
-
-/// A file as seen from a folder that is not there before its result is.
-fn seen_from(file: &Path, folder: &Path) -> String {
-    let beside = file.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let seen = file.file_name().and_then(|name| Some(relative(beside, folder)?.join(name)));
-    seen.unwrap_or_else(|| file.to_owned()).display().to_string()
 }
 
 /// A folder as seen from another one, which is not there before its result is.

@@ -43,6 +43,22 @@ pub fn set(text: &str, path: &str, value: &str) -> Result<String, SetError> {
     }
 }
 
+/// As [`set`], at a path of these parts, whatever characters they hold.
+///
+/// # Errors
+/// As of [`set`].
+///
+/// ```
+/// use phisindy_phys::splice::set_at;
+/// let text = "(constants: {})";
+/// assert_eq!(set_at(text, &["constants", "c.1"], "0.5").unwrap(), "(constants: { \"c.1\": 0.5 })");
+/// ```
+pub fn set_at(text: &str, path: &[&str], value: &str) -> Result<String, SetError> {
+    let name = |part: &str| part.chars().all(|c| c.is_alphanumeric() || c == '_');
+    let part = |part: &&str| if name(part) { (*part).to_owned() } else { format!("\"{part}\"") };
+    set(text, &path.iter().map(part).collect::<Vec<_>>().join("."), value)
+}
+
 /// Walks down as far as the path exists, then replaces or creates.
 fn place(text: &str, root: &Node, parts: &[String], value: &str) -> Result<String, SetError> {
     let (mut node, mut field) = (root, "");

@@ -30,11 +30,7 @@ pub(super) struct Text(pub(super) String);
 impl Text {
     /// Sets the value at a path.
     pub(super) fn set(&mut self, path: &[&str], value: &str) -> Result<(), String> {
-        // A path quotes what is no name.
-        let name = |p: &str| p.chars().all(|c| c.is_alphanumeric() || c == '_');
-        let part = |p: &&str| if name(p) { (*p).to_owned() } else { format!("\"{p}\"") };
-        let path = path.iter().map(part).collect::<Vec<_>>().join(".");
-        self.0 = splice::set(&self.0, &path, value).map_err(|e| e.to_string())?;
+        self.0 = splice::set_at(&self.0, path, value).map_err(|e| e.to_string())?;
         Ok(())
     }
 }
@@ -61,6 +57,15 @@ pub fn with_data(text: &str, folders: &[String]) -> String {
     }
 }
 
+/// The text of a spec that a command wrote, without the lines of its head.
+pub fn without_head(text: &str) -> &str {
+    let mut rest = text.split_once('\n').map_or("", |(_, rest)| rest);
+    while let Some((_, after)) = rest.split_once('\n').filter(|(line, _)| line.starts_with(DATA)) {
+        rest = after;
+    }
+    rest
+}
+
 /// The folders of the data files that the head of a spec names, relative to its own folder; none of a spec
 /// that no command wrote.
 pub fn named_data(text: &str) -> Vec<&str> {
@@ -78,6 +83,7 @@ mod tests {
     fn a_written_spec_knows_its_data() {
         let text = format!("{}a.ron` found.\n// More.\n()\n", head("run"));
         assert_eq!(named_data(&text), Vec::<&str>::new());
+        assert_eq!(without_head(&with_data(&text, &["a".into(), "b".into()])), "// More.\n()\n");
         let with = with_data(&text, &["..".to_owned(), "../my data".to_owned()]);
         assert_eq!(named_data(&with), ["..", "../my data"]);
         assert!(with.ends_with("// More.\n()\n"));
