@@ -1,124 +1,51 @@
-//! Records of one machine over time, and of many machines. Data of an integrator of this file.
+//! Records of one machine over time, and of many machines. Data of `common::slider`, an integrator that is not the program's.
 //!
 //! `PHISINDY_PAIRS=100 PHISINDY_SEED=7 cargo test -p phisindy-cli compare` draws so many pairs of each kind.
 #![allow(missing_docs, clippy::print_stderr)]
 
+use crate::common::slider::{Dice, Slider, spec};
 use crate::common::{Outcome, Scratch, phisindy};
 use serde_json::Value;
 use std::f64::consts::TAU;
-use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 
-/// A generator of its own (D. E. Knuth's constants).
-struct Dice(u64);
-
-impl Dice {
-    /// Small seeds are alike in their first numbers.
-    fn new(seed: u64) -> Dice {
-        let mut dice = Dice(seed);
-        (0..20).for_each(|_| _ = dice.unit());
-        dice
-    }
-
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        ((self.0 >> 11) as f64 + 0.5) / (1_u64 << 53) as f64
-    }
-
-    fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.unit()
-    }
-
-    fn normal(&mut self) -> f64 {
-        (-2.0 * self.unit().ln()).sqrt() * (TAU * self.unit()).cos()
-    }
-}
-
-/// A slider on a spring, and what reads its place.
+/// A slider and the size of its drive (N).
 #[derive(Clone, Copy)]
 struct Rig {
-    mass: f64,
-    stiffness: f64,
-    damping: f64,
-    friction: f64,
-    /// Half the play of the spring (m).
-    play: f64,
-    gain: f64,
+    slider: Slider,
     drive: f64,
 }
 
 impl Rig {
     fn drawn(dice: &mut Dice) -> Rig {
         let drive = dice.between(3.0, 8.0);
-        Rig {
-            mass: dice.between(0.5, 3.0),
-            stiffness: dice.between(200.0, 1200.0),
-            damping: dice.between(0.5, 3.0),
-            friction: drive * dice.between(0.1, 0.25),
-            play: 0.0,
-            gain: 1.0,
-            drive,
-        }
+        let [m, k, c] = [(0.5, 3.0), (200.0, 1200.0), (0.5, 3.0)].map(|(low, high)| dice.between(low, high));
+        Rig { slider: Slider::plain(m, k, c, drive * dice.between(0.1, 0.25)), drive }
     }
 
-    /// 9 s at 200 Hz with 1 % noise, by steps of 20 us in which friction takes what it can of the speed (J. J. Moreau,
-    /// Unilateral contact and dry friction in finite freedom dynamics, 1988).
+    /// Three tones about its natural frequency, with phases of their own.
     fn record(&self, path: &Path, dice: &mut Dice) {
-        let (h, every) = (2e-5, 250);
-        let natural = (self.stiffness / self.mass).sqrt();
+        let natural = (self.slider.stiffness / self.slider.mass).sqrt();
         let tones = [(1.0, 0.65), (0.6, 1.22), (0.4, 0.31)];
         let tones = tones.map(|(part, ratio)| (part * self.drive, ratio * natural, dice.between(0.0, TAU)));
-        let (mut x, mut v, mut rows) = (0.0_f64, 0.0_f64, vec![]);
-        for step in 0..(9.0 / h) as usize {
-            let t = step as f64 * h;
-            let force: f64 = tones.iter().map(|(size, rate, phase)| size * (rate * t + phase).cos()).sum();
-            if step % every == 0 {
-                rows.push((t, x, force));
-            }
-            let reach = (x.abs() - self.play).max(0.0) * x.signum();
-            let free = v + h * (force - self.stiffness * reach - self.damping * v) / self.mass;
-            let most = h * self.friction / self.mass;
-            v = free - free.clamp(-most, most);
-            x += h * v;
-        }
-        let size = (rows.iter().map(|(_, x, _)| x * x).sum::<f64>() / rows.len() as f64).sqrt();
-        let mut text = "t,x,F\n".to_owned();
-        for (t, x, force) in rows {
-            let _ = writeln!(text, "{t:.3},{},{force}", self.gain * x + 0.01 * size * dice.normal());
-        }
-        fs::write(path, text).expect("data");
+        let drive = |t: f64| tones.iter().map(|(size, rate, phase)| size * (rate * t + phase).cos()).sum();
+        fs::write(path, self.slider.record(&drive, dice)).expect("data");
     }
 
     /// Its spec: all numbers held, or all but the mass to be found from other ones.
     fn spec(&self, path: &Path, data: &str, held: bool) {
-        let Rig { mass, stiffness: k, damping: c, friction: f, .. } = self;
+        let Slider { mass, stiffness: k, damping: c, friction: f, .. } = self.slider;
         let numbers = if held {
-            format!(r#""k": ({k:?}, "N/m"), "c": ({c:?}, "N*s/m"), "Fc": ({f:?}, "N")"#)
+            self.slider.constants()
         } else {
+            let [k0, k1, k2, c2, f1, f2] = [1.05 * k, 0.5 * k, 2.0 * k, 8.0 * c, 0.7 * f, 8.0 * f];
             format!(
-                r#""k": (value: {:?}, unit: "N/m", within: ({:?}, {:?})), "c": (value: {c:?}, unit: "N*s/m", within: (0.0, {:?})),
-                "Fc": Find(start: {:?}, unit: "N", within: (0.0, {:?}))"#,
-                1.05 * k,
-                0.5 * k,
-                2.0 * k,
-                8.0 * c,
-                0.7 * f,
-                8.0 * f
+                r#""m": ({mass:?}, "kg"), "k": (value: {k0:?}, unit: "N/m", within: ({k1:?}, {k2:?})),
+                "c": (value: {c:?}, unit: "N*s/m", within: (0.0, {c2:?})), "Fc": Find(start: {f1:?}, unit: "N", within: (0.0, {f2:?}))"#
             )
         };
-        let record = format!(r#"Csv(path: "{data}", time: "t", columns: {{ "x": "x", "F": "F" }}, window: "#);
-        let text = format!(
-            r#"(
-    constants: {{ "m": ({mass:?}, "kg"), {numbers} }},
-    states: {{ "x": "m", "v": "m/s" }}, inputs: {{ "F": "N" }},
-    known: {{ "x": "v", "v": "(F - k*x - c*v - Fc*sgn(v))/m" }},
-    inertia: {{ "v": "m" }}, contacts: ["v"], unknown: {{}},
-    data: [ {record}(0.0, 6.0)), {record}(6.0, 9.0), role: Validate) ],
-)
-"#
-        );
-        fs::write(path, text).expect("a spec");
+        fs::write(path, spec(&numbers, data)).expect("a spec");
     }
 }
 
@@ -141,10 +68,10 @@ type Kind = (&'static str, fn(&mut Rig), &'static [&'static str]);
 
 const KINDS: &[Kind] = &[
     ("nothing", |_| {}, &[]),
-    ("friction -20 %", |rig| rig.friction *= 0.8, &["Fc"]),
-    ("stiffness -3 %", |rig| rig.stiffness *= 0.97, &["k"]),
-    ("a play", |rig| rig.play = 0.12 * rig.drive / rig.stiffness, &["dead zone (play)"]),
-    ("another sensor", |rig| rig.gain = 1.03, &["gain of x"]),
+    ("friction -20 %", |rig| rig.slider.friction *= 0.8, &["Fc"]),
+    ("stiffness -3 %", |rig| rig.slider.stiffness *= 0.97, &["k"]),
+    ("a play", |rig| rig.slider.play = 0.12 * rig.drive / rig.slider.stiffness, &["dead zone (play)"]),
+    ("another sensor", |rig| rig.slider.gain = 1.03, &["gain of x"]),
 ];
 
 fn setting(name: &str, otherwise: u64) -> u64 {
@@ -186,13 +113,12 @@ fn what_changed_is_told_by_its_name() {
 #[test]
 fn a_worn_machine_of_a_fleet_comes_first() {
     let (scratch, mut dice) = (Scratch::new("fleet"), Dice::new(3));
-    let base =
-        Rig { mass: 2.0, stiffness: 800.0, damping: 1.5, friction: 0.7, play: 0.0, gain: 1.0, drive: 4.0 };
+    let base = Rig { slider: Slider::plain(2.0, 800.0, 1.5, 0.7), drive: 4.0 };
     let mut paths = vec![];
     for k in 0..12 {
         let mut rig = base;
-        rig.stiffness *= 1.0 + 0.01 * dice.normal();
-        rig.friction *= if k == 8 { 1.5 } else { 1.0 + 0.03 * dice.normal() };
+        rig.slider.stiffness *= 1.0 + 0.01 * dice.normal();
+        rig.slider.friction *= if k == 8 { 1.5 } else { 1.0 + 0.03 * dice.normal() };
         rig.record(&scratch.0.join(format!("{k}.csv")), &mut dice);
         base.spec(&scratch.0.join(format!("{k}.ron")), &format!("{k}.csv"), false);
         paths.push(scratch.path(&format!("{k}.ron")));
@@ -231,7 +157,7 @@ fn results_are_compared_and_kept() {
         let end = start + text[start..].find(')').expect("an end") + 1;
         let text = format!("{}{}", &text[..start], &text[end..]).replace(" - Fc*sgn(v)", "");
         fs::write(&path, text).expect("a spec");
-        rig.friction *= 0.8;
+        rig.slider.friction *= 0.8;
     }
     let (old, new, out) = (scratch.path("old.ron"), scratch.path("new.ron"), scratch.path("found"));
     assert_eq!(phisindy(&["gap", &old, "--out", &out, "--quiet"]).code, 0);

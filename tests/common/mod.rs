@@ -1,5 +1,7 @@
 //! Runs the program as a user does: from the top of the repository, output to pipes.
 
+pub(crate) mod slider;
+
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};

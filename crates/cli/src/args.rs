@@ -247,8 +247,8 @@ Examples:
   phisindy compare march-found june.ron        the older is a result of `gap --out` or `run --out`
   phisindy compare fleet/*.ron --out care      three or more: spread, who stands out; care/report.html shows it",
         after_help = "\
-Of two, the model of the older one is set against the records of the newer one. Of three or more, each is judged by its own model and its numbers \
-beside those of the others. One comparison in a hundred of unchanged machines tells a change.
+With two, the model of the older one is fitted to the records of the newer one. With three or more, each is judged by its own model, and the \
+numbers are set beside each other. A machine that did not change is called changed once in a hundred comparisons.
 Exit codes: 0 nothing changed, nobody stands out; 1 something did."
     )]
     Compare {

@@ -1,6 +1,6 @@
 //! Which numbers changed between two results.
 //!
-//! The differences of the estimates are `d ~ N(D delta, C)` with `C` the sum of both covariances. Without a change
+//! The differences of the estimates are `d ~ N(delta, C)` with `C` the sum of both covariances. Without a change
 //! `d' C^-1 d` has the chi-square distribution with as many degrees of freedom as numbers (A. Wald 1943,
 //! doi 10.1090/S0002-9947-1943-0012401-3). Where it is too large, the fewest changes are looked for that leave what
 //! chance leaves.
@@ -156,8 +156,8 @@ impl Problem {
         Some((left, (0..m).map(|i| (size[(i, 0)], inverse[(i, i)].max(0.0).sqrt())).collect()))
     }
 
-    /// The fewest numbers whose change leaves what chance leaves: the best choice of them, and
-    /// others that are as good.
+    /// The fewest numbers whose change leaves what chance leaves: the best choice of them, and others that
+    /// are as good.
     fn fewest(&self) -> (Vec<usize>, Vec<Vec<usize>>) {
         let all = self.pull.len();
         let mut choices: Vec<Vec<usize>> = (0..all).map(|k| vec![k]).collect();

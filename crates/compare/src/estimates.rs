@@ -1,7 +1,7 @@
 //! The numbers of a result with their covariance.
 
 /// Half the width of a 95 % interval in standard errors.
-const HALF_WIDTH_95: f64 = 1.96;
+pub const HALF_WIDTH_95: f64 = 1.96;
 
 /// What a number is of.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,6 +34,16 @@ impl Estimates {
     /// Where a number stands.
     pub fn position(&self, name: &str) -> Option<usize> {
         self.numbers.iter().position(|number| number.name == name)
+    }
+
+    /// Adds a number that is held, without an error, unless it is there.
+    pub fn hold(&mut self, number: Number, value: f64) {
+        if self.position(&number.name).is_none() {
+            self.covariance.iter_mut().for_each(|row| row.push(0.0));
+            self.covariance.push(vec![0.0; self.numbers.len() + 1]);
+            self.numbers.push(number);
+            self.values.push(value);
+        }
     }
 
     /// Whether the 95 % interval of a number excludes zero.

@@ -11,7 +11,7 @@ mod population;
 mod unit;
 
 pub use changes::{Changes, Difference, changes};
-pub use estimates::{Estimates, Number};
+pub use estimates::{Estimates, HALF_WIDTH_95, Number};
 pub use population::{Beside, Member, Population, Spread, population};
 pub use unit::{Cause, Comparison, Fleet, Unit};
 

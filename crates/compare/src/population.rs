@@ -47,10 +47,8 @@ pub struct Beside {
 }
 
 /// A machine.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Member {
-    /// Place among the estimates that were given.
-    pub index: usize,
     /// Its numbers.
     pub numbers: Vec<Beside>,
 }
@@ -72,8 +70,18 @@ impl Member {
 pub struct Population {
     /// Of each number that at least three machines have.
     pub spreads: Vec<Spread>,
-    /// Those that stand out first, then by their largest deviation.
+    /// In the order in which their estimates were given.
     pub members: Vec<Member>,
+}
+
+impl Population {
+    /// The machines, those that stand out first, then by their largest deviation.
+    pub fn by_deviation(&self) -> Vec<usize> {
+        let mut all: Vec<usize> = (0..self.members.len()).collect();
+        let of = |k: usize| (self.members[k].stands_out(), self.members[k].farthest());
+        all.sort_by(|&a, &b| of(b).0.cmp(&of(a).0).then(of(b).1.total_cmp(&of(a).1)));
+        all
+    }
 }
 
 /// Fewest machines of which a spread can be told: of two nobody knows which one is the exception.
@@ -90,8 +98,9 @@ const FEWEST: usize = 3;
 /// };
 /// let fleet: Vec<Estimates> = [0.50, 0.51, 0.49, 0.505, 0.80, 0.495, 0.50].map(of).into();
 /// let found = population(&fleet);
-/// assert_eq!(found.members[0].index, 4);
-/// assert!(found.members[0].stands_out() && !found.members[1].stands_out());
+/// let order = found.by_deviation();
+/// assert_eq!(order[0], 4);
+/// assert!(found.members[4].stands_out() && !found.members[order[1]].stands_out());
 /// ```
 pub fn population(all: &[Estimates]) -> Population {
     let mut names: Vec<&str> = Vec::new();
@@ -102,7 +111,7 @@ pub fn population(all: &[Estimates]) -> Population {
     }
     let columns = names.into_iter().map(|name| Column::of(all, name)).filter(|c| c.estimates.len() >= FEWEST);
     let columns: Vec<Column<'_>> = columns.collect();
-    let mut members: Vec<Member> = (0..all.len()).map(|index| Member { index, numbers: vec![] }).collect();
+    let mut members = vec![Member::default(); all.len()];
     let mut spreads = Vec::new();
     for column in &columns {
         let out = column.outliers(FALSE_ALARMS / columns.len() as f64);
@@ -137,12 +146,6 @@ pub fn population(all: &[Estimates]) -> Population {
             machines: column.estimates.len(),
         });
     }
-    members.sort_by(|a, b| {
-        b.stands_out()
-            .cmp(&a.stands_out())
-            .then(b.farthest().total_cmp(&a.farthest()))
-            .then(a.index.cmp(&b.index))
-    });
     Population { spreads, members }
 }
 
@@ -258,18 +261,20 @@ mod tests {
         let worn = [7, 60, 61, 130, 199];
         worn.iter().for_each(|&k| values[k][1] *= 0.8);
         let found = population(&fleet(&values, [8.0, 0.005]));
-        let mut first: Vec<usize> = found.members[..5].iter().map(|m| m.index).collect();
+        let order = found.by_deviation();
+        let mut first = order[..5].to_vec();
         first.sort_unstable();
         assert_eq!(first, worn);
-        assert!(!found.members[5].stands_out());
+        assert!(!found.members[order[5]].stands_out());
         // The standard error of a standard deviation from 195 is 5 %, and the errors are half of the spread.
         assert_relative_eq!(found.spreads[1].between, 0.01, max_relative = 0.2);
     }
 
     #[test]
     fn a_fleet_of_equals_has_no_exception() {
-        let alarms = (0..400)
-            .filter(|seed| population(&fleet(&drawn(20, 100 + seed), [8.0, 0.005])).members[0].stands_out());
+        let alarms = (0..400).filter(|seed| {
+            population(&fleet(&drawn(20, 100 + seed), [8.0, 0.005])).members.iter().any(Member::stands_out)
+        });
         // 4 expected.
         let count = alarms.count();
         assert!(count <= 10, "{count}");
@@ -286,8 +291,8 @@ mod tests {
         let found = population(&fleet(&values, [0.02, 1e-9]));
         let of = |m: &Member| m.numbers.iter().find(|n| n.spread == 0).expect("it has one").clone();
         let (mut held, mut own, mut shrunk) = (0, 0.0, 0.0);
-        for member in &found.members {
-            let (number, truth) = (of(member), truth[member.index]);
+        for (member, truth) in found.members.iter().zip(&truth) {
+            let number = of(member);
             held += usize::from((number.among_all.0 - truth).abs() < 1.96 * number.among_all.1);
             own += (number.value - truth).powi(2);
             shrunk += (number.among_all.0 - truth).powi(2);

@@ -81,16 +81,15 @@ impl Fleet {
 
     /// Whether a machine needs care: its model does not hold, a number stands out, or it has a cause of its own.
     pub fn needs_care(&self, unit: usize) -> bool {
-        let member = self.population.members.iter().find(|member| member.index == unit);
         !self.units[unit].holds
-            || member.is_some_and(crate::Member::stands_out)
+            || self.population.members[unit].stands_out()
             || self.odd_causes(unit).next().is_some()
     }
 
     /// The machines, those that need care first, then by their largest deviation.
     pub fn by_care(&self) -> Vec<usize> {
-        let mut all: Vec<usize> = self.population.members.iter().map(|member| member.index).collect();
-        all.sort_by_key(|&unit| !self.needs_care(unit));
+        let mut all = self.population.by_deviation();
+        all.sort_by_cached_key(|&unit| !self.needs_care(unit));
         all
     }
 }

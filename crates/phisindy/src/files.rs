@@ -17,6 +17,7 @@
 
 mod columns;
 mod compare;
+mod compared_models;
 mod folders;
 mod laws;
 mod load;

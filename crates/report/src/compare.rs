@@ -29,11 +29,9 @@ impl CompareReport {
 
     /// The result in one of its forms, with an end of line. The table is the same in LaTeX, as comments.
     pub fn written(&self, format: Format) -> String {
-        let comment = |line: String| if line.is_empty() { "%\n".to_owned() } else { format!("% {line}\n") };
         match format {
             Format::Json => json::object(self).to_string() + "\n",
-            Format::Latex => text::lines(self).into_iter().map(comment).collect(),
-            Format::Text => text::lines(self).into_iter().map(|line| line + "\n").collect(),
+            of_text => of_text.lines(text::lines(self)),
         }
     }
 
@@ -144,11 +142,9 @@ fn of_fleet(fleet: &Fleet) -> String {
 
 /// Why a machine needs care; empty if it does not.
 fn why(fleet: &Fleet, unit: usize) -> String {
-    let population = &fleet.population;
-    let member = population.members.iter().find(|member| member.index == unit);
-    let numbers = member.into_iter().flat_map(|member| &member.numbers).filter(|number| number.stands_out);
+    let numbers = fleet.population.members[unit].numbers.iter().filter(|number| number.stands_out);
     let number = |n: &phisindy_compare::Beside| {
-        let spread = &population.spreads[n.spread];
+        let spread = &fleet.population.spreads[n.spread];
         let way = if n.value > spread.mean { "above" } else { "below" };
         let by = percent(100.0 * ((n.value - spread.mean) / spread.mean).abs());
         format!(

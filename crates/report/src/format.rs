@@ -13,6 +13,14 @@ pub enum Format {
     Json,
 }
 
+impl Format {
+    /// Lines of text in this form: LaTeX has them as comments.
+    pub(crate) fn lines(self, lines: Vec<String>) -> String {
+        let mark = if self == Format::Latex { "% " } else { "" };
+        lines.into_iter().map(|line| format!("{mark}{line}").trim_end().to_owned() + "\n").collect()
+    }
+}
+
 /// The name of a role in results.
 pub(crate) fn role_name(role: Role) -> &'static str {
     match role {

@@ -18,7 +18,7 @@ mod motion;
 mod next;
 pub(crate) mod page;
 mod regimes;
-mod reproduction;
+pub(crate) mod reproduction;
 mod residual;
 mod run;
 mod selection;

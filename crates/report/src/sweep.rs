@@ -13,11 +13,9 @@ use crate::format::Format;
 impl SweepRuns<'_> {
     /// The result in one of its forms, with an end of line. The table is the same in LaTeX, as comments.
     pub fn written(&self, format: Format) -> String {
-        let comment = |line: String| if line.is_empty() { "%\n".to_owned() } else { format!("% {line}\n") };
         match format {
             Format::Json => json::line(self) + "\n",
-            Format::Latex => text::table(self).into_iter().map(comment).collect(),
-            Format::Text => text::table(self).into_iter().map(|line| line + "\n").collect(),
+            of_text => of_text.lines(text::table(self)),
         }
     }
 }

@@ -5,27 +5,21 @@
 //! newer --its records in that model-------+--all numbers free--> Estimates if it explains them, or gap --+--> Comparison
 //! ```
 
+use super::compared_models::{all_free, believed, columns, freed, gain_of, label, parsed, with_records_of};
 use super::load::{Purpose, open_text, spec_text};
 use super::request::Request;
-use crate::error::{Error, SpecError};
+use crate::error::Error;
 use crate::loaded::Loaded;
 use crate::options::{Options, Progress};
 use crate::{Gap, Identified};
 use phisindy_compare::{Cause, Comparison, Estimates, Fleet, Number, Unit, changes, population};
 use phisindy_gap::{Site, Status, Step};
 use phisindy_learn::{FoundParameter, ParameterOf, SensorPart};
-use phisindy_phys::spec::{self, ConstantSpec, DataSpec, Spec, Text};
-use phisindy_phys::{Sources, splice, unit};
+use phisindy_phys::spec::{ConstantSpec, Spec};
+use phisindy_phys::unit::Unit as Measure;
 use phisindy_report::spec_text::{COMPLETED, named_data};
 use phisindy_report::{CompareReport, SPEC};
 use std::path::{Path, PathBuf};
-
-/// A number may move by this factor in another record.
-const REACH: f64 = 10.0;
-/// What is believed of the gain of a sensor before it is asked: an exchanged or miscalibrated one seldom errs by more.
-const GAIN_BELIEF: f64 = 0.1;
-/// The start of the name of the constant that is a gain.
-const GAIN: &str = "gain_of_";
 
 /// Sets specs or folders of results beside each other: of two, what changed from the first to the second; of more,
 /// which of the machines stands out. `options` hears of the progress.
@@ -53,28 +47,29 @@ pub fn compare(paths: &[PathBuf], request: &Request, options: &Options<'_>) -> R
 /// What changed from one record of a machine to another.
 fn pair(old: &Path, new: &Path, request: &Request, options: &Options<'_>) -> Result<Comparison, String> {
     let (older, newer) = (Source::of(old)?, Source::of(new)?);
-    let (older_unit, model) = part(options, (0.0, 0.4), |options| judged(&older, request, options))?;
+    let Judged { unit: older_unit, open: open_model, model } =
+        part(options, (0.0, 0.4), |options| judged(&older, request, options))?;
     let told = |why: Error| {
         format!("the model of `{}` with the records of `{}`: {}", old.display(), new.display(), words(&why))
     };
-    let fit = |source: &Source, model: &str, (from, to)| -> Result<Estimates, String> {
-        let text = all_free(model).map_err(told)?;
-        let fitted = part(options, (from, to), |options| {
-            source.opened(&text, request, Purpose::Run)?.identify(options)
-        });
-        Ok(estimates(&fitted.map_err(told)?))
+    let fit = |source: &Source, model: &str, span| {
+        let free = all_free(model)?;
+        part(options, span, |options| source.fitted(&free, request, options))
     };
-    let before = fit(&older, &model, (0.4, 0.5))?;
-    let own =
-        part(options, (0.4, 0.5), |options| older.opened(&model, request, Purpose::Run)?.identify(options));
-    let known = known(&model, &estimates(&own.map_err(told)?));
-    let moved = with_records_of(&model, &newer)?;
-    let free = all_free(&moved).map_err(told)?;
+    let before = fit(&older, &model, (0.4, 0.5)).map_err(told)?;
+    // What `run` found is called by its terms, and in the model by its constants.
+    let own = if open_model {
+        part(options, (0.4, 0.5), |options| older.fitted(&model, request, options)).map_err(told)?
+    } else {
+        older_unit.estimates.clone()
+    };
+    let known = known(&model, &own);
+    let moved = with_records_of(&model, &newer.text).map_err(told)?;
     let open = |text: &str| newer.opened(text, request, Purpose::Gap).map_err(told);
-    let free = open(&free)?.standing().map_err(told)?;
+    let free = open(&all_free(&moved).map_err(told)?)?.standing().map_err(told)?;
     let by_numbers = |holds: bool| {
         let status = if holds { Status::NothingMissing } else { Status::Unexplained };
-        let (name, estimates) = (newer.name.clone(), fit(&newer, &moved, (0.5, 1.0))?);
+        let (name, estimates) = (newer.name.clone(), fit(&newer, &moved, (0.5, 1.0)).map_err(told)?);
         Ok::<Unit, String>(Unit { name, status: status.name().into(), holds, causes: vec![], estimates })
     };
     let unit = if free.explains {
@@ -100,7 +95,7 @@ fn pair(old: &Path, new: &Path, request: &Request, options: &Options<'_>) -> Res
             by_numbers(found.status().holds())?
         } else {
             let text = if found.steps().is_empty() { &moved } else { &found.result.completed };
-            of_gap(&newer, &found, fit(&newer, text, (0.9, 1.0))?)
+            of_gap(&newer, &found, fit(&newer, text, (0.9, 1.0)).map_err(told)?)
         }
     };
     let changes = changes(&before, &unit.estimates);
@@ -122,7 +117,8 @@ fn fleet(paths: &[PathBuf], request: &Request, options: &Options<'_>) -> Result<
     for (k, path) in paths.iter().enumerate() {
         let share = |k: usize| k as f64 / paths.len() as f64;
         let source = Source::of(path)?;
-        units.push(part(options, (share(k), share(k + 1)), |options| judged(&source, request, options))?.0);
+        units
+            .push(part(options, (share(k), share(k + 1)), |options| judged(&source, request, options))?.unit);
     }
     let all: Vec<Estimates> = units.iter().map(|unit| unit.estimates.clone()).collect();
     Ok(Fleet { population: population(&all), units })
@@ -167,43 +163,41 @@ impl Source {
         open_text(text, &self.path, &Request { named_data: Some(named), ..request.clone() }, purpose)
     }
 
-    fn parsed(&self) -> Result<Spec, String> {
-        parsed(&self.text).map_err(|why| format!("`{}`: {}", self.name, words(&why)))
+    /// The numbers of a model by the records of this spec.
+    fn fitted(&self, model: &str, request: &Request, options: &Options<'_>) -> Result<Estimates, Error> {
+        Ok(estimates(&self.opened(model, request, Purpose::Run)?.identify(options)?))
     }
 }
 
-fn parsed(text: &str) -> Result<Spec, Error> {
-    let mut sources = Sources::default();
-    let source = sources.add("the model", text.to_owned());
-    let wrong = |mistakes| Error::from(SpecError::new(mistakes, sources));
-    spec::read(text, source).map(|(spec, _)| spec).map_err(wrong)
+/// A machine by its own spec.
+struct Judged {
+    unit: Unit,
+    /// Whether its spec has terms or laws to choose from.
+    open: bool,
+    /// Its completed model, as a text in which all numbers that were found may move.
+    model: String,
 }
 
-/// Sets a field of a model.
-fn set(text: &mut String, path: &str, value: &str) -> Result<(), Error> {
-    *text = splice::set(text, path, value).map_err(Error::Set)?;
-    Ok(())
-}
-
-/// What a record says of a machine by its own spec, and its completed model as a text in which all numbers that were
-/// found may move.
-fn judged(source: &Source, request: &Request, options: &Options<'_>) -> Result<(Unit, String), String> {
+fn judged(source: &Source, request: &Request, options: &Options<'_>) -> Result<Judged, String> {
     let told = |why: Error| format!("`{}`: {}", source.name, words(&why));
     let loaded = source.opened(&source.text, request, Purpose::Run).map_err(told)?;
-    if loaded.case.is_open() || source.parsed()?.unknown.iter().any(|(_, unknown)| !unknown.laws.is_empty()) {
+    let named = |spec: &Spec| spec.unknown.iter().any(|(_, unknown)| !unknown.laws.is_empty());
+    if loaded.case.is_open() || named(&parsed(&source.text).map_err(told)?) {
         let found = loaded.identify(options).map_err(told)?;
-        let model = found.model().map_err(told)?;
-        let verdict = found.verdict();
-        let (status, holds) = (verdict.word().to_owned(), verdict.holds());
-        let unit =
-            Unit { name: source.name.clone(), status, holds, causes: vec![], estimates: estimates(&found) };
-        return Ok((unit, freed(&model, &found.loaded.parsed).map_err(told)?));
+        let model = found.model().and_then(|model| freed(&model, &found.loaded.parsed)).map_err(told)?;
+        let (name, status) = (source.name.clone(), found.verdict().word().to_owned());
+        let holds = found.verdict().holds();
+        return Ok(Judged {
+            unit: Unit { name, status, holds, causes: vec![], estimates: estimates(&found) },
+            open: true,
+            model,
+        });
     }
     let found = part(options, (0.0, 0.8), |options| loaded.gap(options)).map_err(told)?;
     let model = if found.steps().is_empty() { source.text.clone() } else { found.result.completed.clone() };
     let fitted =
-        part(options, (0.8, 1.0), |options| source.opened(&model, request, Purpose::Run)?.identify(options));
-    Ok((of_gap(source, &found, estimates(&fitted.map_err(told)?)), model))
+        part(options, (0.8, 1.0), |options| source.fitted(&model, request, options)).map_err(told)?;
+    Ok(Judged { unit: of_gap(source, &found, fitted), open: false, model })
 }
 
 /// What `gap` says of a machine.
@@ -239,8 +233,10 @@ fn estimates(found: &Identified) -> Estimates {
     let of_terms = terms
         .iter()
         .map(|t| (named(format!("{} in {}'", t.candidate, t.state), &t.unit, 1.0), t.coefficient.value));
-    let of_parameters =
-        found.parameters().iter().map(|p| (named(label(p), &p.unit, p.factor), p.estimate.value));
+    let of_parameters = found
+        .parameters()
+        .iter()
+        .map(|p| (named(label(&p.id.to_string()), &p.unit, p.factor), p.estimate.value));
     let all: Vec<(Number, f64)> = of_terms.chain(of_parameters).collect();
     let covariance = &found.result.covariance;
     let kept: Vec<usize> = (0..all.len())
@@ -255,186 +251,21 @@ fn estimates(found: &Identified) -> Estimates {
     }
 }
 
-/// What a number is called: of a gain that is asked for here, in words.
-fn label(p: &FoundParameter) -> String {
-    let name = p.id.to_string();
-    name.strip_prefix(GAIN).map_or(name.clone(), |column| format!("gain of {column}"))
-}
-
-/// The identified model with its numbers free again: coefficients, and what the spec let move.
-fn freed(model: &str, given: &Spec) -> Result<String, Error> {
-    let mut text = model.to_owned();
-    for (name, constant) in parsed(model)?.constants {
-        let ConstantSpec::Number { value, unit } = constant else { continue };
-        let before = given.constants.iter().find(|(n, _)| n.value == name.value).map(|(_, c)| c);
-        let (low, high) = match before {
-            Some(ConstantSpec::Movable(m)) => (m.within.0.value, m.within.1.value),
-            Some(ConstantSpec::Find(f)) => (f.within.0.value, f.within.1.value),
-            Some(_) => continue,
-            None => (-REACH * value.value.abs(), REACH * value.value.abs()),
-        };
-        if low < value.value && value.value < high {
-            let unit = unit.map_or(String::new(), |unit| format!(", unit: {:?}", unit.value));
-            let free = format!("(value: {:?}{unit}, within: ({low:?}, {high:?}))", value.value);
-            set(&mut text, &format!("constants.{}", quoted(&name.value)), &free)?;
-        }
-    }
-    Ok(text)
-}
-
-/// A model with the records of another spec, and with the constants that this one holds.
-fn with_records_of(model: &str, newer: &Source) -> Result<String, String> {
-    let told =
-        |why: String| format!("the records of `{}` do not fit into the other model: {why}", newer.name);
-    let spec = newer.parsed()?;
-    let entries = spec.data.iter().map(|data| match data {
-        DataSpec::Csv(csv) => csv.span,
-        DataSpec::Synthetic(made) => made.span,
-    });
-    let entries: Vec<&str> = entries.map(|span| &newer.text[span.start..span.end]).collect();
-    let mut text = splice::set(model, "data", &format!("[{}]", entries.join(", ")))
-        .map_err(|why| told(why.to_string()))?;
-    let held = parsed(model).map(|spec| spec.constants).unwrap_or_default();
-    for (name, constant) in &spec.constants {
-        let was = held.iter().find(|(n, _)| n.value == name.value).map(|(_, c)| c);
-        if let (
-            ConstantSpec::Number { value, unit },
-            Some(ConstantSpec::Number { value: before, unit: unit_before }),
-        ) = (constant, was)
-            && (value.value, unit.as_ref().map(|u| &u.value))
-                != (before.value, unit_before.as_ref().map(|u| &u.value))
-        {
-            let unit = unit.as_ref().map(|unit| format!("({:?}, {:?})", value.value, unit.value));
-            let now = unit.unwrap_or_else(|| format!("{:?}", value.value));
-            text = splice::set(&text, &format!("constants.{}", quoted(&name.value)), &now)
-                .map_err(|why| told(why.to_string()))?;
-        }
-    }
-    Ok(text)
-}
-
-/// A part of a path in a spec.
-fn quoted(name: &str) -> String {
-    if name.chars().all(|c| c.is_alphanumeric() || c == '_') { name.to_owned() } else { format!("{name:?}") }
-}
-
-/// A model in which each number may move, the gains of all columns too: what changed need not be what was to be found.
-/// A number that the record does not determine is held by a belief as wide as itself.
-fn all_free(model: &str) -> Result<String, Error> {
-    let spec = parsed(model)?;
-    let measured = spec.data.iter().all(|data| matches!(data, DataSpec::Csv(_)));
-    let mut text = model.to_owned();
-    let written = |value: f64, unit: &Option<Text>, (low, high): (f64, f64), sigma: f64| {
-        let unit = unit.as_ref().map_or(String::new(), |unit| format!(", unit: {:?}", unit.value));
-        format!("Find(start: {value:?}{unit}, within: ({low:?}, {high:?}), sigma: {sigma:?})")
-    };
-    for (name, constant) in &spec.constants {
-        let free = match constant {
-            // Of a synthetic record the truth has these numbers.
-            ConstantSpec::Number { value, unit } if value.value != 0.0 && measured => {
-                let ends = (value.value / REACH, value.value * REACH);
-                let ends = (ends.0.min(ends.1), ends.0.max(ends.1));
-                written(value.value, unit, ends, value.value.abs())
-            }
-            ConstantSpec::Movable(m) if m.sigma.is_none() && !m.each && m.value.value != 0.0 => {
-                let ends = (m.within.0.value, m.within.1.value);
-                written(m.value.value, &m.unit, ends, m.value.value.abs())
-            }
-            ConstantSpec::Find(f) if f.sigma.is_none() && !f.each && f.start.value != 0.0 => {
-                let ends = (f.within.0.value, f.within.1.value);
-                written(f.start.value, &f.unit, ends, f.start.value.abs())
-            }
-            _ => continue,
-        };
-        set(&mut text, &format!("constants.{}", quoted(&name.value)), &free)?;
-    }
-    for name in if measured { columns(&spec) } else { vec![] } {
-        let number = format!("{GAIN}{name}");
-        let taken = spec.constants.iter().any(|(other, _)| other.value == number);
-        let own = |data: &DataSpec| match data {
-            DataSpec::Csv(csv) => {
-                csv.sensors.iter().any(|(n, sensor)| n.value == name && sensor.gain.is_some())
-            }
-            DataSpec::Synthetic(_) => true,
-        };
-        if taken || spec.data.iter().any(own) {
-            continue;
-        }
-        let free = written(1.0, &None, (1.0 / REACH, REACH), GAIN_BELIEF);
-        set(&mut text, &format!("constants.{}", quoted(&number)), &free)?;
-        for (k, data) in spec.data.iter().enumerate() {
-            if names(data).contains(&name) {
-                set(&mut text, &format!("data.{k}.sensors.{}.gain", quoted(&name)), &format!("{number:?}"))?;
-            }
-        }
-    }
-    Ok(text)
-}
-
 /// The numbers of a model: those that were found with their errors, those that it holds, and gains of 1.
 fn known(model: &str, found: &Estimates) -> Estimates {
     let Ok(spec) = parsed(model) else { return found.clone() };
+    let constants = spec.constants.iter().filter_map(|(name, constant)| match constant {
+        ConstantSpec::Number { value, unit } => {
+            Some((name.value.clone(), unit.as_ref().map_or("", |unit| &unit.value), value.value))
+        }
+        _ => None,
+    });
+    let gains = columns(&spec).into_iter().map(|column| (gain_of(&column), "", 1.0));
     let mut all = found.clone();
-    let mut hold = |name: String, unit: &str, value: f64| {
-        if all.position(&name).is_none() {
-            let factor = unit::Unit::parse(unit).map_or(1.0, |unit| unit.factor);
-            all.covariance.iter_mut().for_each(|row| row.push(0.0));
-            all.covariance.push(vec![0.0; all.numbers.len() + 1]);
-            all.numbers.push(Number { name, unit: unit.to_owned(), factor });
-            all.values.push(value * factor);
-        }
-    };
-    for (name, constant) in &spec.constants {
-        if let ConstantSpec::Number { value, unit } = constant {
-            hold(name.value.clone(), unit.as_ref().map_or("", |unit| &unit.value), value.value);
-        }
+    for (name, unit, value) in constants.chain(gains) {
+        let factor = Measure::parse(unit).map_or(1.0, |unit| unit.factor);
+        all.hold(Number { name, unit: unit.to_owned(), factor }, value * factor);
     }
-    columns(&spec).iter().for_each(|column| hold(format!("gain of {column}"), "", 1.0));
-    all
-}
-
-/// The model as it was found in the older record: each number held, or within its error.
-fn believed(model: &str, before: &Estimates, held: bool) -> Result<String, Error> {
-    let mut text = model.to_owned();
-    for (name, constant) in parsed(model)?.constants {
-        let Some(k) = before.position(&name.value) else { continue };
-        let factor = before.numbers[k].factor;
-        let (value, sigma) = (before.values[k] / factor, before.std_error(k) / factor);
-        let (unit, within) = match constant {
-            ConstantSpec::Movable(m) if !m.each => (m.unit, m.within),
-            ConstantSpec::Find(f) if !f.each => (f.unit, f.within),
-            _ => continue,
-        };
-        let ends = (within.0.value, within.1.value);
-        if ends.0 < value && value < ends.1 && sigma > 0.0 && sigma.is_finite() {
-            let unit = unit.map(|unit| unit.value);
-            let now = match (held, unit) {
-                (true, None) => format!("{value:?}"),
-                (true, Some(unit)) => format!("({value:?}, {unit:?})"),
-                (false, unit) => {
-                    let unit = unit.map_or(String::new(), |unit| format!(", unit: {unit:?}"));
-                    format!("Find(start: {value:?}{unit}, within: {ends:?}, sigma: {sigma:?})")
-                }
-            };
-            set(&mut text, &format!("constants.{}", quoted(&name.value)), &now)?;
-        }
-    }
-    Ok(text)
-}
-
-/// The columns of a record that its spec uses.
-fn names(data: &DataSpec) -> Vec<String> {
-    match data {
-        DataSpec::Csv(csv) => csv.columns.iter().map(|(name, _)| name.value.clone()).collect(),
-        DataSpec::Synthetic(_) => vec![],
-    }
-}
-
-/// Those of all records.
-fn columns(spec: &Spec) -> Vec<String> {
-    let mut all: Vec<String> = spec.data.iter().flat_map(names).collect();
-    all.sort();
-    all.dedup();
     all
 }
 

@@ -3,9 +3,11 @@
 use super::{CompareReport, Number, number, text, why};
 use crate::chart::{Axis, Chart, Mark, Panel, Place, Sheet, Swatch, digits, legend};
 use crate::format::capital;
-use crate::html::page::{Banner, Captioned, Page, Tone, block, paragraph};
+use crate::html::page::{Banner, Captioned, Page, Tone, block};
+use crate::html::reproduction::command;
 use crate::html::table::{Cell, code, table, text as words};
-use phisindy_compare::Unit;
+use crate::input::Invocation;
+use phisindy_compare::{HALF_WIDTH_95, Unit};
 
 /// Height of the line of a machine, of a panel at most, and between panels.
 const LINE: f64 = 13.0;
@@ -13,8 +15,6 @@ const LINE: f64 = 13.0;
 const NAMED: f64 = 26.0;
 const HIGHEST: f64 = 420.0;
 const BETWEEN: f64 = 66.0;
-/// Half the width of a 95 % interval in standard errors.
-const HALF_WIDTH_95: f64 = 1.96;
 
 pub(super) fn page(report: &CompareReport, arguments: &[String]) -> Page {
     let (headline, tone, title) = match report {
@@ -46,9 +46,8 @@ pub(super) fn page(report: &CompareReport, arguments: &[String]) -> Page {
     }
     let lines = text::lines(report).join("\n");
     page.section("The comparison as text", [block(&lines, "comparison")]);
-    let version = format!("Written by phisindy {}.", env!("CARGO_PKG_VERSION"));
-    let command = block(&format!("phisindy {}", arguments.join(" ")), "command");
-    page.section("To repeat it", [paragraph(&version), command]);
+    let how = Invocation { arguments: arguments.to_vec(), ..Invocation::default() };
+    page.section("To repeat it", command(None, "", None, &how));
     page
 }
 
@@ -87,11 +86,10 @@ fn panels(report: &CompareReport) -> Vec<Numbers> {
             vec![Numbers { name, unit, rows: rows.collect(), band: None }]
         }
         CompareReport::Fleet(fleet) => {
+            let order = fleet.by_care();
             let of = |(k, spread): (usize, &phisindy_compare::Spread)| {
-                let own = fleet.by_care().into_iter().filter_map(|unit| {
-                    let member = fleet.population.members.iter().find(|member| member.index == unit)?;
-                    member.numbers.iter().find(|number| number.spread == k)
-                });
+                let numbers = |&unit: &usize| &fleet.population.members[unit].numbers;
+                let own = order.iter().flat_map(numbers).filter(|number| number.spread == k);
                 let row = |n: &phisindy_compare::Beside| Row {
                     name: None,
                     value: n.value / spread.factor,

@@ -40,8 +40,7 @@ fn of_fleet(fleet: &Fleet) -> Value {
     });
     let machines = fleet.by_care().into_iter().map(|k| {
         let mut out = unit(&fleet.units[k]);
-        let member = population.members.iter().find(|member| member.index == k);
-        let numbers = member.into_iter().flat_map(|member| &member.numbers).map(|n| {
+        let numbers = population.members[k].numbers.iter().map(|n| {
             let spread = &population.spreads[n.spread];
             json!({
                 "name": spread.name, "unit": spread.unit, "value": n.value / spread.factor,

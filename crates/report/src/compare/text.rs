@@ -2,10 +2,8 @@
 
 use super::{CompareReport, Number, number, percent, why};
 use crate::table::{aligned, short, with_error};
-use phisindy_compare::{Comparison, FALSE_ALARMS, Fleet};
+use phisindy_compare::{Comparison, FALSE_ALARMS, Fleet, HALF_WIDTH_95};
 
-/// Half the width of a 95 % interval in standard errors.
-const HALF_WIDTH_95: f64 = 1.96;
 /// Most machines that are listed where they need no care.
 const SHOWN: usize = 10;
 
@@ -70,10 +68,9 @@ fn of_fleet(fleet: &Fleet, report: &CompareReport) -> Vec<String> {
     let need = order.iter().filter(|&&unit| fleet.needs_care(unit)).count();
     let mut rows = Vec::new();
     for &unit in order.iter().take(need.max(SHOWN)) {
-        let member = population.members.iter().find(|member| member.index == unit);
         let mut row = vec![fleet.units[unit].name.clone(), fleet.units[unit].status.clone()];
         for (k, spread) in population.spreads.iter().enumerate() {
-            let own = member.and_then(|member| member.numbers.iter().find(|number| number.spread == k));
+            let own = population.members[unit].numbers.iter().find(|number| number.spread == k);
             row.push(own.map_or("-".to_owned(), |n| {
                 with_error(n.value / spread.factor, n.std_error / spread.factor)
             }));

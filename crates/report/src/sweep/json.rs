@@ -5,7 +5,6 @@
 
 use super::runs::{CellRuns, SweepRuns};
 use super::statistics::Statistics;
-
 use serde::Serialize;
 use std::collections::BTreeMap;
 

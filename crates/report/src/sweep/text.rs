@@ -2,7 +2,6 @@
 
 use super::runs::{CellRuns, Run, RunVerdict, SweepRuns};
 use super::statistics::Statistics;
-
 use crate::table::{aligned, short};
 
 /// Most failed runs that are listed; the JSON has all.
