@@ -19,6 +19,7 @@ mod limits;
 mod measured;
 mod mechanism;
 mod new;
+mod next;
 mod outputs;
 mod program;
 mod records;

@@ -256,6 +256,28 @@ Exit codes: 0 nothing changed, nobody stands out; 1 something did."
         #[arg(value_name = "OLD NEW...", num_args = 2.., required = true)]
         paths: Vec<PathBuf>,
     },
+    /// Design the next run: the one that best tells the models apart that are left, or best narrows a number
+    #[command(
+        display_order = 9,
+        before_help = "\
+Examples:
+  phisindy next found                     which run decides between the laws that the records of found leave?
+  phisindy next rig.ron --narrow Fc       which run narrows Fc best?
+  phisindy next rig.ron --set 'limits={ \"F\": (-5.0, 5.0), \"x\": (-0.02, 0.02), duration: 30.0 }'
+  phisindy next found --out plan          plan/drive.csv, plan/motion.csv (what each model predicts), plan/report.html",
+        after_help = "\
+The spec says what the rig can do: `limits: { \"F\": (-5.0, 5.0), \"x\": (-0.02, 0.02), duration: 60.0, band: (0.1, 10.0) }`: inputs, states, outputs, and \
+constants that can be set. What it does not say is what the records have shown. No run leaves the limits under any model that is left.
+Exit codes: 0 a run was found; 2 no model or no run is left, and why."
+    )]
+    Next {
+        /// Spec, or folder that `run --out` or `gap --out` wrote
+        #[arg(value_name = "DIR|SPEC")]
+        path: PathBuf,
+        /// The number to narrow, in place of telling models apart
+        #[arg(long, value_name = "NAME")]
+        narrow: Option<String>,
+    },
     /// Make a result again and say whether it has the same bits, or what differs
     #[command(
         display_order = 10,
@@ -316,8 +338,18 @@ Examples:
 impl Command {
     /// Whether the work asks if it should end early, and keeps what it has then.
     pub(crate) fn keeps(&self) -> bool {
-        use Command::{Compare, Gap, Go, Open, Run, Sweep, Verify};
-        matches!(self, Compare { .. } | Run { .. } | Gap { .. } | Go(_) | Sweep(_) | Open(_) | Verify { .. })
+        use Command::{Compare, Gap, Go, Next, Open, Run, Sweep, Verify};
+        matches!(
+            self,
+            Compare { .. }
+                | Next { .. }
+                | Run { .. }
+                | Gap { .. }
+                | Go(_)
+                | Sweep(_)
+                | Open(_)
+                | Verify { .. }
+        )
     }
 }
 
@@ -480,26 +512,38 @@ pub(crate) struct SweepArgs {
 /// To which commands an option means something, by its id.
 const TAKEN: &[(&str, &[&str])] = &[
     // Every command takes a format, so that a script can ask all of them alike; these print text whatever it is.
-    ("format", &["run", "gap", "go", "sweep", "new", "check", "simulate", "export", "verify", "compare"]),
-    ("out", &["run", "gap", "go", "new", "export", "sweep", "laws", "man", "compare"]),
-    ("force", &["run", "gap", "go", "new", "export", "sweep", "laws", "compare"]),
-    ("data", &["run", "gap", "go", "simulate", "check", "export", "sweep", "open", "verify", "compare"]),
-    ("laws", &["run", "gap", "go", "simulate", "check", "export", "sweep", "laws", "open", "compare"]),
+    (
+        "format",
+        &["run", "gap", "go", "sweep", "new", "check", "simulate", "export", "verify", "compare", "next"],
+    ),
+    ("out", &["run", "gap", "go", "new", "export", "sweep", "laws", "man", "compare", "next"]),
+    ("force", &["run", "gap", "go", "new", "export", "sweep", "laws", "compare", "next"]),
+    (
+        "data",
+        &["run", "gap", "go", "simulate", "check", "export", "sweep", "open", "verify", "compare", "next"],
+    ),
+    (
+        "laws",
+        &["run", "gap", "go", "simulate", "check", "export", "sweep", "laws", "open", "compare", "next"],
+    ),
     ("seed", &["run", "gap", "simulate", "check", "export", "sweep"]),
     ("method", &["run", "sweep"]),
-    ("jobs", &["run", "gap", "go", "new", "simulate", "check", "sweep", "open", "verify", "compare"]),
+    ("jobs", &["run", "gap", "go", "new", "simulate", "check", "sweep", "open", "verify", "compare", "next"]),
     (
         "limit",
-        &["run", "gap", "go", "new", "simulate", "check", "export", "sweep", "open", "verify", "compare"],
+        &[
+            "run", "gap", "go", "new", "simulate", "check", "export", "sweep", "open", "verify", "compare",
+            "next",
+        ],
     ),
     (
         "quiet",
         &[
             "run", "gap", "go", "new", "simulate", "check", "export", "sweep", "laws", "open", "verify",
-            "compare",
+            "compare", "next",
         ],
     ),
-    ("sets", &["run", "gap", "go", "new", "simulate", "check", "export", "sweep"]),
+    ("sets", &["run", "gap", "go", "new", "simulate", "check", "export", "sweep", "next"]),
 ];
 
 /// Whether an option means something to a command.

@@ -8,6 +8,7 @@ pub(crate) mod go;
 pub(crate) mod laws;
 pub(crate) mod manual;
 pub(crate) mod new;
+pub(crate) mod next;
 pub(crate) mod open;
 pub(crate) mod run;
 pub(crate) mod simulate;

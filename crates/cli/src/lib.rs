@@ -146,6 +146,7 @@ fn execute(args: &Args) -> Result<u8> {
         Command::Man => commands::manual::pages(options),
         Command::Sweep(args) => commands::sweep::sweep(args, options),
         Command::Compare { paths } => commands::compare::compare(paths, options),
+        Command::Next { path, narrow } => commands::next::next(path, narrow.as_deref(), options),
         Command::Verify { folder } => commands::verify::verify(folder, options),
     }
 }

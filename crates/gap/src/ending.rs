@@ -146,6 +146,9 @@ impl<'s, 'a> Ending<'s, 'a> {
         }
         let completed =
             text_with(text, &self.last.model, redrawn).map_err(|e| GapError::Numerics(e.into()))?;
+        for rival in steps.iter_mut().chain(&mut partial).flat_map(|step| &mut step.rivals) {
+            rival.completed = rival.model.take().and_then(|model| text_with(text, &model, redrawn).ok());
+        }
         let stop = if self.interrupted() { StopReason::Interrupted } else { self.stop };
         let Ending { base, last, noise, warnings, tried: (tried, not_tried), force, .. } = self;
         Ok(Gap {
@@ -376,7 +379,8 @@ impl<'s, 'a> Ending<'s, 'a> {
 /// The rivals of a law, beside the final model. One that holds the law and more was an answer to what was left then: later
 /// effects have left it behind. Of one without the law nobody knows how it would do beside these.
 fn rivals_of_the_answer(mut rivals: Vec<Rival>, law: &PlacedLaw, gained_since: f64) -> Vec<Rival> {
-    rivals.iter_mut().filter(|r| r.laws.contains(law)).for_each(|r| r.delta_bic += gained_since);
+    rivals.iter_mut().for_each(|r| r.behind = r.delta_bic + gained_since);
+    rivals.iter_mut().filter(|r| r.laws.contains(law)).for_each(|r| r.delta_bic = r.behind);
     rivals.sort_by(|a, b| a.delta_bic.total_cmp(&b.delta_bic));
     rivals
 }
@@ -534,8 +538,14 @@ mod tests {
     fn a_rival_that_holds_the_law_counts_against_the_final_model() {
         let law = |id: &str| PlacedLaw { law: id.into(), name: id.into(), at: "v".into() };
         let rivals = || {
-            let richer = Rival { laws: vec![law("maxwell"), law("quintic")], delta_bic: -8.0 };
-            vec![richer, Rival { laws: vec![law("bouc-wen")], delta_bic: 3.0 }]
+            let rival = |laws, delta_bic| Rival {
+                laws,
+                delta_bic,
+                behind: f64::INFINITY,
+                completed: None,
+                model: None,
+            };
+            vec![rival(vec![law("maxwell"), law("quintic")], -8.0), rival(vec![law("bouc-wen")], 3.0)]
         };
         let deltas = |gained: f64| -> Vec<f64> {
             rivals_of_the_answer(rivals(), &law("maxwell"), gained).iter().map(|r| r.delta_bic).collect()

@@ -221,7 +221,8 @@ impl Search<'_> {
         let best = tried.swap_remove(best);
         let rival = |t: &Tried| {
             let laws = vec![PlacedLaw::of(&t.fitted.model.effects.last()?.effect)];
-            Some(Rival { laws, delta_bic: value(t, by) - own })
+            let model = Some(Box::new(t.fitted.model.starting_at(&t.fitted.estimates(|p| !p.each))));
+            Some(Rival { laws, delta_bic: value(t, by) - own, behind: f64::INFINITY, completed: None, model })
         };
         let mut rivals: Vec<Rival> = tried.iter().filter_map(rival).collect();
         rivals.retain(|r| r.delta_bic.is_finite());

@@ -28,7 +28,7 @@ pub(crate) use region::regions;
 pub use region::{Location, Region};
 pub use tried::{NotTried, Tried, WhyNot};
 
-use crate::model::Fitted;
+use crate::model::{Fitted, TrialModel};
 use crate::place::Effect;
 use crate::repeat::Repeat;
 use phisindy_learn::{FoundParameter, RecordFit};
@@ -102,8 +102,15 @@ pub struct RecordValue {
 pub struct Rival {
     /// Its effects in place of the step and of later steps.
     pub laws: Vec<PlacedLaw>,
-    /// How much higher its criterion is.
+    /// How much higher its criterion is, beside the final model where it holds the law in question, else at the time of
+    /// the step.
     pub delta_bic: f64,
+    /// How much higher its criterion is than that of the final model.
+    pub behind: f64,
+    /// The spec with all effects of this model in it, from the numbers of its fit on; `None` where it was not written.
+    pub completed: Option<String>,
+    /// The model, until it is written.
+    pub(crate) model: Option<Box<TrialModel>>,
 }
 
 /// An effect that was added.

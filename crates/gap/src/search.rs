@@ -767,6 +767,9 @@ pub(crate) fn round_from(
         .map(|f| Rival {
             laws: label(&f.model, before),
             delta_bic: by.criterion(&f.score) - by.criterion(&chosen.score),
+            behind: f64::INFINITY,
+            completed: None,
+            model: Some(Box::new(f.model.starting_at(&f.estimates(|p| !p.each)))),
         })
         .collect();
     // From a worse start a vetoed law may fit with parameters that pass the evidence; it stays ruled out.

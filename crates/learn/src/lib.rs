@@ -51,6 +51,6 @@ pub use trajectory::calibrate::{
     Calibration, Effort, RESTART_RANGE, SegmentFit, calibrate, calibrate_from, segment_cost, segment_fit,
     single_run_cost,
 };
-pub use trajectory::free_run::predicted;
+pub use trajectory::free_run::{Predicted, Predictor, predicted};
 pub use trajectory::initial::{differentiated, sized, smoothed};
 pub use trajectory::kalman_smoother::reads_outputs;

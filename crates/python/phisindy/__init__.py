@@ -18,9 +18,9 @@ from ._cluster import map, sweep
 from ._errors import DataError, NumericsError, PhisindyError, SpecError
 from ._estimator import PhisindyRegressor
 from ._journal import Failed
-from ._results import Comparison, Gap, Identified, Motion
+from ._results import Comparison, Gap, Identified, Motion, NextRun
 from ._sweep import Sweep
-from ._work import compare, gap, laws, run, simulate
+from ._work import compare, gap, laws, next, run, simulate
 from ._native import __version__
 
 __all__ = [
@@ -31,6 +31,7 @@ __all__ = [
     "Gap",
     "Identified",
     "Motion",
+    "NextRun",
     "NumericsError",
     "PhisindyError",
     "PhisindyRegressor",
@@ -41,6 +42,7 @@ __all__ = [
     "gap",
     "laws",
     "map",
+    "next",
     "run",
     "simulate",
     "sweep",

@@ -17,6 +17,7 @@ __all__ = [
     "Stop",
     "__version__",
     "compare",
+    "next_run",
     "laws",
     "motion",
     "motions",
@@ -117,6 +118,16 @@ def truth(case: Case) -> list[tuple[str, float]]: ...
 def compare(
     paths: list[Path],
     *,
+    data: Path | None = None,
+    laws: Path | None = None,
+    jobs: int | None = None,
+    progress: Callable[[float, str], object] | None = None,
+    stop: Stop | None = None,
+) -> tuple[str, list[tuple[str, str]]]: ...
+def next_run(
+    path: Path,
+    *,
+    narrow: str | None = None,
     data: Path | None = None,
     laws: Path | None = None,
     jobs: int | None = None,

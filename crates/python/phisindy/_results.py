@@ -44,12 +44,8 @@ class Motion(Mapping[str, Array]):
         return f"Motion({self.record!r}: {', '.join(self)})"
 
 
-class Comparison:
-    """What changed between two records of a machine, or which of many machines stands out.
-
-    ``sentence`` says it, ``verdict`` is ``"unchanged"``, ``"changed"`` or ``"unexplained"`` of two and ``None`` of more;
-    ``to_dict()`` is the JSON of ``phisindy compare``.
-    """
+class Report:
+    """What a command says of several models or records: ``sentence`` in short, ``str()`` as it prints it."""
 
     def __init__(self, text: str, files: list[tuple[str, str]]) -> None:
         self._text = text
@@ -63,11 +59,6 @@ class Comparison:
     @property
     def sentence(self) -> str:
         return str(self._json["sentence"])
-
-    @property
-    def verdict(self) -> str | None:
-        word: str | None = self._json.get("verdict")
-        return word
 
     def to_dict(self) -> dict[str, Any]:
         """The JSON of the command."""
@@ -83,11 +74,40 @@ class Comparison:
         return self._text
 
     def __repr__(self) -> str:
-        return f"Comparison({self.sentence!r})"
+        return f"{type(self).__name__}({self.sentence!r})"
 
     def _repr_html_(self) -> str:
         page = html.escape(self._files["report.html"], quote=True)
         return f'<iframe srcdoc="{page}" style="width:100%;height:40em;border:0"></iframe>'
+
+
+class Comparison(Report):
+    """What changed between two records of a machine, or which of many machines stands out.
+
+    ``sentence`` says it, ``verdict`` is ``"unchanged"``, ``"changed"`` or ``"unexplained"`` of two and ``None`` of more;
+    ``to_dict()`` is the JSON of ``phisindy compare``.
+    """
+
+    @property
+    def verdict(self) -> str | None:
+        word: str | None = self._json.get("verdict")
+        return word
+
+
+class NextRun(Report):
+    """The run after which most is known: ``sentence`` says which, ``to_dict()`` is the JSON of ``phisindy next``."""
+
+    @property
+    def runs(self) -> list[dict[str, Any]]:
+        """The best run of each form, the best one first: ``drive``, ``duration``, ``decides``, ``numbers``."""
+        return list(self._json["runs"])
+
+    @property
+    def drive(self) -> dict[str, list[float]]:
+        """The best run as columns: ``t_s``, and each input with its unit in the heading."""
+        head, *rows = self._files["drive.csv"].splitlines()
+        values = [[float(cell) for cell in row.split(",")] for row in rows]
+        return {name: [row[k] for row in values] for k, name in enumerate(head.split(","))}
 
 
 def _numbers(what: str, given: Any) -> dict[str, Any]:

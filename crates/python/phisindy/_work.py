@@ -13,7 +13,7 @@ from . import _native
 from ._arguments import jobs_of, method_of, path_of, seed_of
 from ._case import Case, case_of
 from ._errors import DataError
-from ._results import Comparison, Gap, Identified, Motion
+from ._results import Comparison, Gap, Identified, Motion, NextRun
 from ._tables import records
 
 if TYPE_CHECKING:
@@ -113,6 +113,29 @@ def compare(
             given, data=folder, laws=own, jobs=jobs, progress=tell, stop=_stopping.by
         )
     return Comparison(text, files)
+
+
+def next(
+    path: str | os.PathLike[str],
+    *,
+    narrow: str | None = None,
+    data: str | os.PathLike[str] | None = None,
+    laws: str | os.PathLike[str] | None = None,
+    jobs: int | None = None,
+    progress: bool | Tell = False,
+) -> NextRun:
+    """The run that best tells the models apart that a spec or the folder of a result leaves: ``phisindy next``.
+
+    ``narrow`` names the number that a run is to narrow instead. The limits of the rig are ``limits`` of the spec, or what
+    its records have shown. ``data`` and ``laws`` as for ``compare``.
+    """
+    folder = None if data is None else path_of("data", data)
+    given, jobs, own = path_of("path", path), jobs_of(jobs), _folder(laws)
+    with _heard(progress, "next") as tell:
+        text, files = _native.next_run(
+            given, narrow=narrow, data=folder, laws=own, jobs=jobs, progress=tell, stop=_stopping.by
+        )
+    return NextRun(text, files)
 
 
 def laws(folder: str | os.PathLike[str] | None = None) -> list[dict[str, str]]:

@@ -18,6 +18,7 @@ pub(crate) fn add(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_class::<NativeRun>()?;
     m.add_class::<NativeGap>()?;
     m.add_function(wrap_pyfunction!(compare, m)?)?;
+    m.add_function(wrap_pyfunction!(next_run, m)?)?;
     m.add_function(wrap_pyfunction!(save, m)?)
 }
 
@@ -188,6 +189,30 @@ fn compare(
         Ok((report.written(Format::Text), Folder::of_comparison(&report, &[]).files))
     });
     compared?.map_err(DataError::new_err::<String>)
+}
+
+/// Designs the next run: the text, and path and text of each file.
+#[pyfunction]
+#[pyo3(signature = (path, *, narrow=None, data=None, laws=None, jobs=None, progress=None, stop=None))]
+#[expect(clippy::too_many_arguments, reason = "the keywords of `phisindy.next`")]
+fn next_run(
+    py: Python<'_>,
+    path: PathBuf,
+    narrow: Option<&str>,
+    data: Option<PathBuf>,
+    laws: Option<PathBuf>,
+    jobs: Option<usize>,
+    progress: Option<Py<PyAny>>,
+    stop: Option<&Stop>,
+) -> PyResult<(String, Vec<(String, String)>)> {
+    let further_data = further_data(py);
+    let request = Request { data, further_data, laws, naming: Naming::Variable, ..Request::default() };
+    let found = worked(py, jobs, progress.as_ref(), stop, |observe| {
+        let options = Options { observe: Some(observe), ..Options::default() };
+        let report = files::next(&path, narrow, &request, &options)?;
+        Ok((report.written(Format::Text), report.folder(&[]).files))
+    });
+    found?.map_err(DataError::new_err::<String>)
 }
 
 /// Puts the files of a result, path and text of each, into a folder.

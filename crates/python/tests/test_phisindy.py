@@ -412,3 +412,10 @@ def test_records_of_one_machine_are_compared(tmp_path):
     assert same.verdict == "unchanged", same
     with pytest.raises(phisindy.DataError, match="nowhere"):
         phisindy.compare(tmp_path / "old.ron", tmp_path / "nowhere.ron")
+    # Nothing drives it: the next run is let go, and narrows the friction.
+    plan = phisindy.next(tmp_path / "old.ron")
+    assert plan.runs[0]["start"] and len(plan.drive["t_s"]) > 100, plan
+    (number,) = plan.runs[0]["numbers"]
+    assert number["promised"] < number["half_width"], number
+    with pytest.raises(phisindy.DataError, match="no number `Fs`"):
+        phisindy.next(tmp_path / "old.ron", narrow="Fs")

@@ -11,7 +11,8 @@ use phisindy_gap::DISCOVERED;
 use phisindy_learn::Identified;
 
 /// Names of the files of all results.
-const FILES: [&str; 8] = [RESULT, EQUATION, GAP, IDENTIFIED, COMPLETED, REPORT, SPEC, PROVENANCE];
+const FILES: [&str; 10] =
+    [RESULT, EQUATION, GAP, IDENTIFIED, COMPLETED, REPORT, SPEC, PROVENANCE, DRIVE, MOTION];
 /// The numbers of a result.
 pub const RESULT: &str = "result.json";
 /// The spec that a result was made from.
@@ -20,6 +21,10 @@ pub const SPEC: &str = "spec.ron";
 pub const PROVENANCE: &str = "provenance.json";
 const EQUATION: &str = "equation.tex";
 const GAP: &str = "gap.txt";
+/// The inputs of the next run.
+pub(crate) const DRIVE: &str = "drive.csv";
+/// What models predict of it.
+pub(crate) const MOTION: &str = "motion.csv";
 const REPORT: &str = "report.html";
 const FIGURES: &str = "figures";
 const LAWS: &str = "laws";
@@ -100,7 +105,7 @@ impl Folder {
         all
     }
 
-    fn add_report(&mut self, report: HtmlReport) {
+    pub(crate) fn add_report(&mut self, report: HtmlReport) {
         self.files.extend(report.figures.into_iter().map(|(name, svg)| (format!("{FIGURES}/{name}"), svg)));
         self.add(REPORT, report.page);
     }

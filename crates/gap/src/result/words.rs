@@ -484,7 +484,9 @@ mod tests {
     #[test]
     fn a_place_that_all_laws_of_a_rival_share_is_said_once() {
         let law = |law: &str, at: &str| PlacedLaw { law: law.into(), name: law.into(), at: at.into() };
-        let said = |laws| Rival { laws, delta_bic: 1.0 }.to_string();
+        let said = |laws| {
+            Rival { laws, delta_bic: 1.0, behind: f64::INFINITY, completed: None, model: None }.to_string()
+        };
         assert_eq!(said(vec![law("stribeck", "v")]), "stribeck at v");
         assert_eq!(said(vec![law("coulomb", "v"), law("viscous", "v")]), "coulomb + viscous at v");
         assert_eq!(said(vec![law("coulomb", "v1"), law("viscous", "v2")]), "coulomb at v1 + viscous at v2");

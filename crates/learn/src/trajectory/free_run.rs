@@ -337,23 +337,61 @@ pub fn predicted(
     start: &[f64],
     scale: &[f64],
 ) -> Result<Vec<Vec<f64>>, ModelError> {
-    let problem = Problem::new(system, &[], &[record], &[1])?;
-    let x = problem.guess(&[], None, std::slice::from_ref(record));
-    let shows = record.columns.iter().any(Option::is_some);
-    let scale = if shows { problem.scale.clone() } else { scale.to_vec() };
-    // A fit may be coarser than what is asked for here.
-    let tolerance = problem.tolerance.min(Options::default().tolerance);
-    let options = Options { tolerance, scale, diverged: DIVERGED_SIZE, ..Options::default() };
-    let run = |times: &[f64]| problem.simulated(0, &x, (record.time[0], start), times, &options);
-    let samples = problem.delayed_samples(&problem.segments[0], &x);
-    let sampled = samples.split(run(&samples.times)?);
-    let mut columns = problem.readings(0, &x, &sampled);
-    // A state that nothing reads is not late.
-    let on_time = if samples.times == record.time[..] { sampled.run } else { run(&record.time)? };
-    for (k, column) in columns.iter_mut().enumerate().filter(|(k, _)| record.columns[*k].is_none()) {
-        *column = on_time.column(k);
+    Ok(Predictor::new(system, record, scale)?.run(None, start)?.columns)
+}
+
+/// Predicts one record again and again, with other numbers.
+pub struct Predictor<'a> {
+    problem: Problem<'a>,
+    options: Options,
+}
+
+/// A run as its sensors would show it.
+#[derive(Clone, Debug)]
+pub struct Predicted {
+    /// A column for each state and output, read by its sensor where the record has a column of it.
+    pub columns: Vec<Vec<f64>>,
+    /// How often each contact came to rest.
+    pub stops: Vec<usize>,
+}
+
+impl<'a> Predictor<'a> {
+    /// Of a model without unknown part. `scale` is the size of each state for a record that shows none.
+    ///
+    /// # Errors
+    /// The model cannot be evaluated.
+    pub fn new(system: &'a System, record: &'a Record, scale: &[f64]) -> Result<Predictor<'a>, ModelError> {
+        let problem = Problem::new(system, &[], &[record], &[1])?;
+        let shows = record.columns.iter().any(Option::is_some);
+        let scale = if shows { problem.scale.clone() } else { scale.to_vec() };
+        // A fit may be coarser than what is asked for here.
+        let tolerance = problem.tolerance.min(Options::default().tolerance);
+        let options = Options { tolerance, scale, diverged: DIVERGED_SIZE, ..Options::default() };
+        Ok(Predictor { problem, options })
     }
-    Ok(columns)
+
+    /// The run from a start state, with these numbers (SI, in the order of [`System::parameters`]), or as the system
+    /// starts them.
+    ///
+    /// # Errors
+    /// The model cannot be simulated.
+    pub fn run(&self, numbers: Option<&[f64]>, start: &[f64]) -> Result<Predicted, ModelError> {
+        let Predictor { problem, options } = self;
+        let record = problem.records[0];
+        let x = problem.guess(&[], numbers, std::slice::from_ref(record));
+        let run = |times: &[f64]| problem.simulated(0, &x, (record.time[0], start), times, options);
+        let samples = problem.delayed_samples(&problem.segments[0], &x);
+        let sampled = samples.split(run(&samples.times)?);
+        let mut columns = problem.readings(0, &x, &sampled);
+        // A state that nothing reads is not late.
+        let on_time = if samples.times == record.time[..] { sampled.run } else { run(&record.time)? };
+        for (k, column) in columns.iter_mut().enumerate().filter(|(k, _)| record.columns[*k].is_none()) {
+            *column = on_time.column(k);
+        }
+        let mut stops = vec![0; on_time.modes.len() / on_time.samples().max(1)];
+        on_time.events.iter().filter(|event| event.to == 0).for_each(|event| stops[event.switch] += 1);
+        Ok(Predicted { columns, stops })
+    }
 }
 
 /// The power, in units of the noise, that the uncertainty of the unknowns `moves` adds to the residuals of a

@@ -6,19 +6,18 @@
 //! ```
 
 use super::compared_models::{all_free, believed, columns, freed, gain_of, label, parsed, with_records_of};
-use super::load::{Purpose, open_text, spec_text};
+use super::load::Purpose;
 use super::request::Request;
+use super::source::{Source, part, words};
 use crate::error::Error;
-use crate::loaded::Loaded;
-use crate::options::{Options, Progress};
+use crate::options::Options;
 use crate::{Gap, Identified};
 use phisindy_compare::{Cause, Comparison, Estimates, Fleet, Number, Unit, changes, population};
 use phisindy_gap::{Site, Status, Step};
 use phisindy_learn::{FoundParameter, ParameterOf, SensorPart};
 use phisindy_phys::spec::{ConstantSpec, Spec};
 use phisindy_phys::unit::Unit as Measure;
-use phisindy_report::spec_text::{COMPLETED, named_data};
-use phisindy_report::{CompareReport, SPEC};
+use phisindy_report::CompareReport;
 use std::path::{Path, PathBuf};
 
 /// Sets specs or folders of results beside each other: of two, what changed from the first to the second; of more,
@@ -37,6 +36,8 @@ use std::path::{Path, PathBuf};
 /// # Ok::<(), String>(())
 /// ```
 pub fn compare(paths: &[PathBuf], request: &Request, options: &Options<'_>) -> Result<CompareReport, String> {
+    let laws = paths.first().map(|path| Source::completed(path)?.laws(request)).transpose()?;
+    let options = &Options { laws: options.laws.or(laws.as_ref()), ..*options };
     match paths {
         [old, new] => pair(old, new, request, options).map(|pair| CompareReport::Pair(Box::new(pair))),
         [] | [_] => Err("two specs or results are needed: the older one first".to_owned()),
@@ -46,7 +47,7 @@ pub fn compare(paths: &[PathBuf], request: &Request, options: &Options<'_>) -> R
 
 /// What changed from one record of a machine to another.
 fn pair(old: &Path, new: &Path, request: &Request, options: &Options<'_>) -> Result<Comparison, String> {
-    let (older, newer) = (Source::of(old)?, Source::of(new)?);
+    let (older, newer) = (Source::completed(old)?, Source::completed(new)?);
     let Judged { unit: older_unit, open: open_model, model } =
         part(options, (0.0, 0.4), |options| judged(&older, request, options))?;
     let told = |why: Error| {
@@ -54,12 +55,12 @@ fn pair(old: &Path, new: &Path, request: &Request, options: &Options<'_>) -> Res
     };
     let fit = |source: &Source, model: &str, span| {
         let free = all_free(model)?;
-        part(options, span, |options| source.fitted(&free, request, options))
+        part(options, span, |options| fitted(source, &free, request, options))
     };
     let before = fit(&older, &model, (0.4, 0.5)).map_err(told)?;
     // What `run` found is called by its terms, and in the model by its constants.
     let own = if open_model {
-        part(options, (0.4, 0.5), |options| older.fitted(&model, request, options)).map_err(told)?
+        part(options, (0.4, 0.5), |options| fitted(&older, &model, request, options)).map_err(told)?
     } else {
         older_unit.estimates.clone()
     };
@@ -116,7 +117,7 @@ fn fleet(paths: &[PathBuf], request: &Request, options: &Options<'_>) -> Result<
     let mut units = Vec::new();
     for (k, path) in paths.iter().enumerate() {
         let share = |k: usize| k as f64 / paths.len() as f64;
-        let source = Source::of(path)?;
+        let source = Source::completed(path)?;
         units
             .push(part(options, (share(k), share(k + 1)), |options| judged(&source, request, options))?.unit);
     }
@@ -124,49 +125,14 @@ fn fleet(paths: &[PathBuf], request: &Request, options: &Options<'_>) -> Result<
     Ok(Fleet { population: population(&all), units })
 }
 
-/// Does a part of the work, from one fraction of the whole to another.
-fn part<R>(options: &Options<'_>, (from, to): (f64, f64), work: impl FnOnce(&Options<'_>) -> R) -> R {
-    let observe = |now: Progress<'_>| options.progress(from + (to - from) * now.fraction, now.activity);
-    work(&Options { observe: Some(&observe), ..*options })
-}
-
-/// A spec, or the one in a folder of a result.
-struct Source {
-    /// As the user named it.
-    name: String,
-    /// Its file.
-    path: PathBuf,
-    text: String,
-}
-
-impl Source {
-    fn of(path: &Path) -> Result<Source, String> {
-        let shown = path.display();
-        // What `run` was given has the dictionary; what `gap` found stands in the completed model.
-        let file = if path.is_dir() {
-            let models = [COMPLETED, SPEC].map(|name| path.join(name));
-            models.into_iter().find(|file| file.is_file()).ok_or_else(|| {
-                format!(
-                    "`{shown}` is no folder of a result of this version: name one that `phisindy run SPEC --out DIR` or `phisindy gap SPEC --out DIR` wrote, or a spec"
-                )
-            })?
-        } else {
-            path.to_owned()
-        };
-        let text = spec_text(&file).map_err(|d| [vec![d.message], d.help].concat().join(": "))?;
-        Ok(Source { name: shown.to_string(), path: file, text })
-    }
-
-    /// A text with the records of this spec.
-    fn opened(&self, text: &str, request: &Request, purpose: Purpose) -> Result<Loaded, Error> {
-        let named = named_data(&self.text).into_iter().map(str::to_owned).collect();
-        open_text(text, &self.path, &Request { named_data: Some(named), ..request.clone() }, purpose)
-    }
-
-    /// The numbers of a model by the records of this spec.
-    fn fitted(&self, model: &str, request: &Request, options: &Options<'_>) -> Result<Estimates, Error> {
-        Ok(estimates(&self.opened(model, request, Purpose::Run)?.identify(options)?))
-    }
+/// The numbers of a model by the records of a spec.
+fn fitted(
+    source: &Source,
+    model: &str,
+    request: &Request,
+    options: &Options<'_>,
+) -> Result<Estimates, Error> {
+    Ok(estimates(&source.fitted(model, request, options)?))
 }
 
 /// A machine by its own spec.
@@ -196,7 +162,7 @@ fn judged(source: &Source, request: &Request, options: &Options<'_>) -> Result<J
     let found = part(options, (0.0, 0.8), |options| loaded.gap(options)).map_err(told)?;
     let model = if found.steps().is_empty() { source.text.clone() } else { found.result.completed.clone() };
     let fitted =
-        part(options, (0.8, 1.0), |options| source.fitted(&model, request, options)).map_err(told)?;
+        part(options, (0.8, 1.0), |options| fitted(source, &model, request, options)).map_err(told)?;
     Ok(Judged { unit: of_gap(source, &found, fitted), open: false, model })
 }
 
@@ -267,15 +233,4 @@ fn known(model: &str, found: &Estimates) -> Estimates {
         all.hold(Number { name, unit: unit.to_owned(), factor }, value * factor);
     }
     all
-}
-
-/// An error as a line.
-fn words(why: &Error) -> String {
-    match why {
-        Error::Spec(mistakes) => {
-            let first = mistakes.mistakes().find(|d| d.is_error());
-            first.map_or_else(|| mistakes.to_string(), |d| d.message.clone())
-        }
-        other => other.to_string(),
-    }
 }

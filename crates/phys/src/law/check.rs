@@ -415,6 +415,7 @@ impl Written {
             unknown: vec![],
             contacts: vec![],
             places: vec![],
+            limits: None,
             data: vec![],
             learn: LearnSpec::default(),
         }

@@ -14,8 +14,10 @@ mod limits;
 mod read;
 pub(crate) mod reader;
 mod record;
+mod size;
 
 pub use energy::EnergySpec;
+pub use limits::LimitsSpec;
 pub use read::{read, read_without_data};
 
 use phisindy_expr::Span;
@@ -63,6 +65,8 @@ pub struct Spec {
     pub contacts: Vec<Text>,
     /// Names of places where a force may act, each with the speed along which it acts.
     pub places: Vec<(Text, Text)>,
+    /// What the rig can do and may do, for the design of a next run.
+    pub limits: Option<LimitsSpec>,
     /// The records: at least one, but in a spec of [`read_without_data`].
     pub data: Vec<DataSpec>,
     /// How to identify.
@@ -107,7 +111,7 @@ pub enum ConstantSpec {
 
 impl ConstantSpec {
     /// The unit that is written with it.
-    pub(crate) fn unit(&self) -> Option<&Text> {
+    pub fn unit(&self) -> Option<&Text> {
         match self {
             ConstantSpec::Number { unit, .. } => unit.as_ref(),
             ConstantSpec::Movable(m) => m.unit.as_ref(),

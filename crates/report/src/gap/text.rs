@@ -185,11 +185,15 @@ pub(crate) fn rivals(s: &Step, catalogue: &[LawEntry]) -> Vec<(String, Option<St
             format!("BIC {} higher", two(r.delta_bic))
         };
         let what = beyond(s).or_else(|| deciding(&s.effect.entry, r, catalogue));
+        let what = what.or_else(|| r.completed.is_some().then(|| DESIGNED.to_owned()));
         (format!("not excluded: {r} ({by})"), what.map(|what| format!("{what} would decide")))
     });
     let same = s.effect.entry.law.indistinguishable.iter();
     said.chain(same.map(|same| (same.cause.clone(), Some(same.check.clone())))).collect()
 }
+
+/// The measurement that distinguishes two models of which no file says it.
+const DESIGNED: &str = "the run that `phisindy next` designs";
 
 /// A difference of criteria, of which more than two digits say nothing.
 fn two(x: f64) -> String {

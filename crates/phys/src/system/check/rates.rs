@@ -3,7 +3,7 @@
 use super::checker::Checker;
 use crate::system::equations::{Contact, Input, Output, State, System, Term, contains_sign};
 use crate::text::spec::{OutputSpec, Spec, Text, UnknownSpec};
-use phisindy_expr::{Id, Span};
+use phisindy_expr::{Id, Span, nearest};
 use std::collections::HashMap;
 
 /// What an output calls the rate of a state by: `rate(v)`.
@@ -104,6 +104,7 @@ impl Checker {
         let system_states: Vec<Id> = states.iter().map(|s: &State| s.node).collect();
         let contacts = self.contacts(spec, &allowed, &states, &system_states, &known, &terms);
         let places = self.places(spec, &allowed, &states, &system_states);
+        self.limits(spec);
         let mut system = System {
             title: spec.title.as_ref().map_or(String::new(), |t| t.value.clone()),
             graph: self.graph.clone(),
@@ -311,6 +312,26 @@ impl Checker {
             }
         }
         all
+    }
+
+    /// The limits of the rig: of what the model knows.
+    fn limits(&mut self, spec: &Spec) {
+        let declared = [&spec.inputs, &spec.states].into_iter().flatten().map(|(name, _)| name);
+        let outputs = spec.outputs.iter().map(|(name, _)| name);
+        let constants = spec.constants.iter().map(|(name, _)| name);
+        let known: Vec<&str> =
+            declared.chain(outputs).chain(constants).map(|name| name.value.as_str()).collect();
+        for (name, _) in spec.limits.iter().flat_map(|limits| &limits.ranges) {
+            if !known.contains(&name.value.as_str()) {
+                let message = format!("`{}` is no input, state, output or constant", name.value);
+                let near = nearest(&name.value, known.iter().copied());
+                let help = near.map_or_else(
+                    || format!("there is: {}", known.join(", ")),
+                    |near| format!("did you mean `{near}`?"),
+                );
+                self.error(message, name.span, "no limits").help.push(help);
+            }
+        }
     }
 
     /// Whether an expression is linear in velocities, and holds no displacement; otherwise a mistake says why not.

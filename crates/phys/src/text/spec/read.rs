@@ -73,6 +73,7 @@ impl Reader<'_> {
             "unknown",
             "contacts",
             "places",
+            "limits",
             "data",
             "learn",
         ];
@@ -99,6 +100,7 @@ impl Reader<'_> {
         let unknown = self.pairs(&fields, "unknown", Self::unknown);
         let contacts = self.optional(&fields, "contacts", |r, n| r.list(n, Self::words));
         let places = self.pairs(&fields, "places", Self::words);
+        let limits = self.optional(&fields, "limits", Self::limits);
         let data = match data {
             Data::Required => self.required(&fields, "data", |r, n| r.filled(n, RECORD, Self::record)),
             Data::Optional => {
@@ -125,10 +127,11 @@ impl Reader<'_> {
             unknown,
             contacts: contacts.unwrap_or_default(),
             places,
+            limits,
             data: data?,
             learn: learn.unwrap_or_default(),
         };
-        self.limits(&spec);
+        self.within_size(&spec);
         Some(spec)
     }
 

@@ -1,8 +1,8 @@
 //! Records: where data come from.
 
 use super::group::Fields;
-use super::limits::SAMPLES;
 use super::reader::Reader;
+use super::size::SAMPLES;
 use super::{ColumnSpec, CsvSpec, DeriveSpec, NoiseSpec, Number, Role, Spanned, SyntheticSpec, Text};
 use crate::text::raw::{Node, Shape};
 use phisindy_signal::{Detrend, Differentiator, Interpolation};
