@@ -281,6 +281,67 @@ fn one_run_decides_between_the_models_that_are_left() {
     assert!(decided as f64 >= 0.8 * sets as f64 - 2.0 * (0.16 * sets as f64).sqrt(), "{decided} of {sets}");
 }
 
+/// Measure, ask, measure, until one answer has more than 0.99: how many runs that takes, beside the first drive again and
+/// again. Six rigs whose first record leaves several models; `-- --ignored` runs it.
+#[test]
+#[ignore = "takes a quarter of an hour"]
+fn a_closed_loop_needs_fewer_runs() {
+    const MOST: usize = 6;
+    let seed = setting("PHISINDY_SEED", 3);
+    let (mut drawn, mut loops, mut proposed, mut fixed) = (0, 0, vec![], vec![]);
+    while loops < 6 {
+        let mut dice = Dice::new(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ (7919 * drawn));
+        drawn += 1;
+        let begun = Begun::drawn(&mut dice);
+        let Begun { rig, drive, limits, .. } = &begun;
+        let scratch = Scratch::new("loop");
+        let put = |name: &str, text: String| fs::write(scratch.0.join(name), text).expect("a file");
+        put("0.csv", rig.record(drive, 0.0, &mut dice));
+        let spec = |files: &[String]| {
+            put("rig.ron", rig.spec(&files.iter().map(String::as_str).collect::<Vec<_>>(), limits));
+            scratch.path("rig.ron")
+        };
+        let first = vec!["0.csv".to_owned()];
+        let (_, found, _) = json(&["next", &spec(&first)]);
+        let models = found["models"].as_array().cloned().unwrap_or_default();
+        if models.iter().filter(|m| m["probability"].as_f64() > Some(0.05)).count() < 2 {
+            continue;
+        }
+        loops += 1;
+        let mut until = |next: &mut dyn FnMut(&str) -> (Drive, f64)| {
+            let mut files = first.clone();
+            while files.len() <= MOST {
+                let (laws, sure) = named(&spec(&files));
+                if sure > 0.99 {
+                    return (files.len(), laws.iter().any(|law| law == rig.law.name()));
+                }
+                let (drive, from) = next(&spec(&files));
+                let name = format!("{}.csv", files.len());
+                put(&name, rig.record(&drive, from, &mut dice));
+                files.push(name);
+            }
+            (MOST + 1, false)
+        };
+        let by_next = until(&mut |spec| {
+            let (_, found, err) = json(&["next", spec, "--out", &scratch.path("plan"), "--force"]);
+            assert!(!found.is_null(), "{err}");
+            let plan = fs::read_to_string(scratch.0.join("plan/drive.csv")).expect("a drive");
+            (table(&plan), found["runs"][0]["start"]["x"].as_f64().unwrap_or(0.0))
+        });
+        let by_same = until(&mut |_| (drive.clone(), 0.0));
+        eprintln!(
+            "{}: {} models, next {by_next:?} runs, the same drive {by_same:?}",
+            rig.law.name(),
+            models.len()
+        );
+        proposed.push(by_next.0);
+        fixed.push(by_same.0);
+    }
+    let sum = |of: &[usize]| of.iter().sum::<usize>();
+    eprintln!("{proposed:?} runs, beside {fixed:?}");
+    assert!(sum(&proposed) < sum(&fixed), "{proposed:?} {fixed:?}");
+}
+
 /// A rig with all in its model.
 fn known() -> (Rig, Drive) {
     let rig = Rig { mass: 2.0, stiffness: 800.0, damping: 1.5, law: Law::Coulomb(0.4), noise: 2e-5 };

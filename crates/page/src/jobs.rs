@@ -1,9 +1,9 @@
-//! `run` and `gap` on a thread of their own, one at a time; what they are doing, for the page to watch.
+//! `run`, `gap` and `next` on a thread of their own, one at a time; what they are doing, for the page to watch.
 
 use crate::check::said;
 use crate::folder::{Working, stem};
 use crate::results;
-use phisindy::files::{Asked, Provenance, Purpose, Request, beside, load_text};
+use phisindy::files::{self, Asked, Provenance, Purpose, Request, beside, load_text};
 use phisindy::{Catalogue, Loaded, Options, Progress};
 use phisindy_phys::Sources;
 use phisindy_report::{Folder, Invocation, StopReason};
@@ -25,24 +25,27 @@ pub(crate) enum What {
     Run,
     /// Find the laws that are missing.
     Gap,
+    /// Design the next run.
+    Next,
 }
 
 impl What {
     /// From its name in requests.
     pub(crate) fn named(name: &str) -> Option<What> {
-        [What::Run, What::Gap].into_iter().find(|what| what.name() == name)
+        [What::Run, What::Gap, What::Next].into_iter().find(|what| what.name() == name)
     }
 
     fn name(self) -> &'static str {
         match self {
             What::Run => "run",
             What::Gap => "gap",
+            What::Next => "next",
         }
     }
 
     fn purpose(self) -> Purpose {
         match self {
-            What::Run => Purpose::Run,
+            What::Run | What::Next => Purpose::Run,
             What::Gap => Purpose::Gap,
         }
     }
@@ -89,6 +92,15 @@ impl Now {
 
     fn stopping(&self) -> bool {
         self.stop.load(Ordering::SeqCst) || self.closed.get().is_some()
+    }
+
+    /// Hears of the progress of work, and ends it.
+    fn heard(&self, progress: Progress<'_>) -> ControlFlow<()> {
+        self.tell(
+            progress.fraction,
+            if progress.activity.is_empty() { "fitting" } else { progress.activity },
+        );
+        if self.stopping() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 
     /// Says what is being done.
@@ -182,6 +194,17 @@ fn work(now: &Now, folder: &Path, request: &Request, path: &Path, text: String, 
     let begin = Instant::now();
     now.tell(0.0, "reading the spec and its data");
     let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+    if what == What::Next {
+        let observe = |progress: Progress<'_>| now.heard(progress);
+        let options = Options { observe: Some(&observe), ..Options::default() };
+        return match files::next(path, None, request, &options) {
+            Ok(found) => {
+                let files = found.folder(&[what.name().to_owned(), name.clone()]);
+                kept(now, folder, (&name, what), &files, found.design.stopped)
+            }
+            Err(why) => json!({ "error": why }),
+        };
+    }
     let (mut sources, mut found) = (Sources::default(), Vec::new());
     let loaded = load_text(path, text, request, what.purpose(), &mut sources, &mut found);
     let Ok(loaded) = loaded else {
@@ -198,22 +221,24 @@ fn work(now: &Now, folder: &Path, request: &Request, path: &Path, text: String, 
     match worked(now, loaded.clone(), &laws, what, begin, &made) {
         Ok((mut files, stopped)) => {
             made.put_into(&mut files, &loaded);
-            // An answer of hours waits until there is room for it, unless it is given up.
-            now.stop.store(false, Ordering::SeqCst);
-            loop {
-                match results::keep(folder, stem(&name), what.name(), &files) {
-                    Ok(result) => {
-                        return json!({ "result": result, "stopped": stopped, "lacks": files.lacks });
-                    }
-                    Err(why) if now.stopping() => return json!({ "error": why }),
-                    Err(why) => now.tell(1.0, &format!("{why}; trying again, until it is stopped")),
-                }
-                std::thread::sleep(AGAIN);
-            }
+            kept(now, folder, (&name, what), &files, stopped)
         }
         Err(error) => {
             json!({ "error": error.to_string(), "help": phisindy_report::html::advice(error.diverged()) })
         }
+    }
+}
+
+/// Keeps a result. An answer of hours waits until there is room for it, unless it is given up.
+fn kept(now: &Now, folder: &Path, (spec, what): (&str, What), files: &Folder, stopped: bool) -> Value {
+    now.stop.store(false, Ordering::SeqCst);
+    loop {
+        match results::keep(folder, stem(spec), what.name(), files) {
+            Ok(result) => return json!({ "result": result, "stopped": stopped, "lacks": files.lacks }),
+            Err(why) if now.stopping() => return json!({ "error": why }),
+            Err(why) => now.tell(1.0, &format!("{why}; trying again, until it is stopped")),
+        }
+        std::thread::sleep(AGAIN);
     }
 }
 
@@ -226,23 +251,20 @@ fn worked(
     begin: Instant,
     made: &Provenance,
 ) -> Result<(Folder, bool), phisindy::Error> {
-    let observe = |progress: Progress<'_>| {
-        now.tell(progress.fraction, if progress.activity.is_empty() { "fitting" } else { progress.activity });
-        if now.stopping() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-    };
+    let observe = |progress: Progress<'_>| now.heard(progress);
     let options = Options { laws: Some(laws), observe: Some(&observe), ..Options::default() };
     let seconds = || begin.elapsed().as_secs_f64();
     let spec = loaded.spec.clone();
     let arguments = vec![what.name().to_owned(), spec];
     let command = Invocation { arguments, inputs: Some(made.inputs()), ..Invocation::default() };
     let why = || now.closed.get().copied().unwrap_or(StopReason::Interrupt);
-    Ok(match what {
-        What::Run => {
-            let found = loaded.identify(&options)?;
+    Ok(match what.purpose() {
+        Purpose::Gap => {
+            let found = loaded.gap(&options)?;
             (found.folder_of(seconds(), &command, why()), found.stopped())
         }
-        What::Gap => {
-            let found = loaded.gap(&options)?;
+        _ => {
+            let found = loaded.identify(&options)?;
             (found.folder_of(seconds(), &command, why()), found.stopped())
         }
     })

@@ -233,6 +233,7 @@ $("write").onclick = guarded(async () => {
 function buttons() {
   $("gap").disabled = !page.spec || !page.ok || page.running || page.conflict;
   $("run").disabled = $("gap").disabled || !page.open;
+  $("next").disabled = $("gap").disabled;
   $("stop").hidden = !page.running;
 }
 const start = what => guarded(async () => {
@@ -243,13 +244,14 @@ const start = what => guarded(async () => {
 });
 $("gap").onclick = start("gap");
 $("run").onclick = start("run");
+$("next").onclick = start("next");
 $("stop").onclick = guarded(() => ask("api/stop", {}, ""));
 function working(job) {
   page.running = job.running;
   buttons();
   $("work").hidden = !job.job;
   if (!job.job) return;
-  const what = (job.what === "gap" ? "what is missing in " : "candidates of ") + job.spec, took = job.seconds.toFixed(1) + " s";
+  const what = { gap: "what is missing in ", run: "candidates of ", next: "the next run for " }[job.what] + job.spec, took = job.seconds.toFixed(1) + " s";
   $("bar").hidden = !job.running;
   $("bar").value = job.fraction;
   const stopped = job.ended && job.ended.stopped;
@@ -272,15 +274,15 @@ async function showResult(name) {
   const result = await ask("results/" + encodeURIComponent(name) + "/result.json");
   $("answer").hidden = false;
   $("answer-name").textContent = name;
-  const gap = result.status !== undefined;
-  const finding = gap ? findingOfGap(result) : result.verdict + (result.reason ? ": " + result.reason : "");
+  const next = result.runs !== undefined, gap = !next && result.status !== undefined;
+  const finding = next ? "Measure next: " + result.sentence : gap ? findingOfGap(result) : result.verdict + (result.reason ? ": " + result.reason : "");
   $("finding").textContent = result.stopped ? "Stopped by you; found so far: " + finding : finding;
   $("gaps").replaceChildren(...(gap ? bars(result) : []));
-  $("numbers").replaceChildren(numbers(result, gap));
+  $("numbers").replaceChildren(...(next ? [] : [numbers(result, gap)]));
   const file = (path, words, query) => made("a", words, { href: at("results/" + encodeURIComponent(name) + "/" + path, query) });
-  const model = gap ? "completed.ron" : "identified.ron";
+  const model = next ? "drive.csv" : gap ? "completed.ron" : "identified.ron";
   $("downloads").replaceChildren("Download:", file("report.html", "report", { keep: 1 }), file(model, model, { keep: 1 }), file("result.json", "numbers", { keep: 1 }),
-    ...page.languages.map(l => made("a", "model: " + l.id, { href: at("api/export", { result: name, to: l.id }), title: l.about })));
+    ...(next ? [] : page.languages).map(l => made("a", "model: " + l.id, { href: at("api/export", { result: name, to: l.id }), title: l.about })));
   const open = file("report.html", "open the report alone");
   open.target = "_blank"; open.rel = "noopener";
   $("downloads").append(open);

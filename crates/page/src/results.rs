@@ -23,7 +23,7 @@ const SHOWN: usize = 200;
 /// Models that a result may hold, the best first.
 const MODELS: &[&str] = &["completed.ron", "identified.ron"];
 /// What a browser may take of a result.
-const ENDINGS: &[&str] = &["html", "svg", "json", "ron", "tex", "txt"];
+const ENDINGS: &[&str] = &["csv", "html", "svg", "json", "ron", "tex", "txt"];
 
 /// A folder like that of a new result, as paths in it see other files.
 pub(crate) fn place(folder: &Path) -> PathBuf {
@@ -94,7 +94,10 @@ fn described(time: SystemTime, path: &Path) -> Option<Value> {
     let name = path.file_name()?.to_str().filter(|name| plain(name))?;
     let result: Value =
         serde_json::from_reader(BufReader::new(open_plain_file(&path.join(RESULT)).ok()?)).ok()?;
-    let ended = result["verdict"].as_str().or(result["status"].as_str()).unwrap_or_default();
+    let ended = match result["runs"] {
+        Value::Array(_) => "measure next",
+        _ => result["verdict"].as_str().or(result["status"].as_str()).unwrap_or_default(),
+    };
     let laws: Vec<&Value> =
         result["steps"].as_array().into_iter().flatten().map(|step| &step["name"]).collect();
     let time = time.duration_since(UNIX_EPOCH).ok()?.as_secs();
