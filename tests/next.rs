@@ -407,7 +407,7 @@ fn what_cannot_be_designed_says_why() {
         err
     };
     let tight = "limits={ \"F\": (-4.0, -3.9), \"x\": (-1e-9, 1e-9), duration: 6.0 }";
-    assert!(said(&["--set", tight]).contains("`x` in"), "{}", said(&["--set", tight]));
+    assert!(said(&["--set", tight]).contains("`x` leaves its limits"), "{}", said(&["--set", tight]));
     assert!(said(&["--narrow", "Fs"]).contains("no number `Fs` to narrow; there is: "));
     assert!(
         said(&["--set", "limits={ \"G\": (-1.0, 1.0) }"])

@@ -50,7 +50,7 @@ impl Rival {
         systems: Vec<System>,
         like: Record,
         (found, covariance): (&[FoundParameter], &[Vec<f64>]),
-        noise: &[f64],
+        noise: &[Noise],
     ) -> Rival {
         let system = &systems[0];
         // Numbers that belong to a record are those of the one that stands for the next; of sensors of one record
@@ -71,7 +71,7 @@ impl Rival {
         for (k, sigma) in
             measured.zip(noise).filter(|(k, _)| *k < states && system.states[*k].velocity.is_some())
         {
-            let start = (0..states).map(|j| if j == k { *sigma } else { 0.0 }).collect();
+            let start = (0..states).map(|j| if j == k { sigma.additive } else { 0.0 }).collect();
             directions.push(Direction { numbers: vec![0.0; kept.len()], start });
         }
         let scale = (0..states).map(|k| like.columns[k].as_deref().map_or(0.0, size)).collect();
@@ -138,13 +138,13 @@ impl Rival {
         (0..system.states.len()).map(|k| own(k).map_or(self.rest[k], |(_, x)| *x)).collect()
     }
 
-    /// What a run would show: the mean, and how the numbers that are not sure move it, by differences between points of
+    /// What a run would show (SI): the mean, and how the numbers that are not sure move it, by differences between points of
     /// the spherical cubature (I. Arasaratnam, S. Haykin 2009, doi 10.1109/TAC.2009.2019800), so that a stop that comes
-    /// or goes within the errors is seen. `noise` is that of each measured column of the trial.
+    /// or goes within the errors is seen.
     ///
     /// # Errors
     /// The model cannot be simulated, or a point of it leaves the limits.
-    pub fn response(&self, trial: &Trial, limits: Option<&Limits>, noise: &[f64]) -> Result<Response, Unfit> {
+    pub fn response(&self, trial: &Trial, limits: Option<&Limits>) -> Result<Response, Unfit> {
         let record = trial.record(&self.like);
         let system = &self.systems[trial.setting];
         let predictor = Predictor::new(system, &record, &self.scale).map_err(Unfit::Model)?;
@@ -162,9 +162,8 @@ impl Rival {
             if let Some(name) = limits.and_then(|limits| limits.left_by(&run.columns, system)) {
                 return Err(Unfit::Leaves(name));
             }
-            let rows = (0..record.len())
-                .flat_map(|i| measured.iter().zip(noise).map(move |(&k, sigma)| (i, k, sigma)));
-            let readings: Vec<f64> = rows.map(|(i, k, sigma)| run.columns[k][i] / sigma).collect();
+            let rows = (0..record.len()).flat_map(|i| measured.iter().map(move |&k| (i, k)));
+            let readings: Vec<f64> = rows.map(|(i, k)| run.columns[k][i]).collect();
             Ok((readings, run.stops))
         };
         let still = Direction { numbers: vec![0.0; centre.len()], start: vec![0.0; from.len()] };
@@ -173,9 +172,20 @@ impl Rival {
         let mut stops = vec![counted];
         let mut spread = Vec::new();
         for direction in &self.directions {
-            let ((up, a), (down, b)) = (run(reach, direction)?, run(-reach, direction)?);
-            spread.push(up.iter().zip(&down).map(|(x, y)| (x - y) / (2.0 * reach)).collect());
-            stops.extend([a, b]);
+            // A point beyond what the model can do says nothing; the other side of it does.
+            let side = |by: f64| match run(by, direction) {
+                Err(Unfit::Model(_)) => Ok(None),
+                other => other.map(Some),
+            };
+            let (up, down) = (side(reach)?, side(-reach)?);
+            let apart = reach * (f64::from(u8::from(up.is_some())) + f64::from(u8::from(down.is_some())));
+            if apart == 0.0 {
+                return Err(run(reach, direction).err().unwrap_or(Unfit::Leaves(String::new())));
+            }
+            let of =
+                |point: &Option<(Vec<f64>, Vec<usize>)>, i: usize| point.as_ref().map_or(mean[i], |p| p.0[i]);
+            spread.push((0..mean.len()).map(|i| (of(&up, i) - of(&down, i)) / apart).collect());
+            stops.extend([up, down].into_iter().flatten().map(|(_, stops)| stops));
         }
         Ok(Response { mean, spread, stops })
     }
@@ -183,6 +193,15 @@ impl Rival {
 
 /// A speed below this part of its largest value is rest.
 const AT_REST: f64 = 1e-3;
+
+/// The noise of a column.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Noise {
+    /// Its standard deviation where the column reads zero (SI).
+    pub additive: f64,
+    /// The part of the reading that is noise.
+    pub relative: f64,
+}
 
 /// Why a rival cannot go through a trial.
 #[derive(Clone, Debug, PartialEq)]
@@ -193,7 +212,7 @@ pub enum Unfit {
     Leaves(String),
 }
 
-/// What a model predicts of a run, in units of the noise: all columns of a sample, then the next sample.
+/// What a model predicts of a run (SI, or in units of the noise): all columns of a sample, then the next sample.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
     /// The mean.
@@ -211,6 +230,17 @@ impl Response {
         Response {
             mean: cut(&self.mean),
             spread: self.spread.iter().map(cut).collect(),
+            stops: self.stops.clone(),
+        }
+    }
+
+    /// The same in other units: each reading by its size.
+    pub fn over(&self, sizes: &[f64]) -> Response {
+        let of =
+            |values: &Vec<f64>| values.iter().zip(sizes.iter().cycle()).map(|(x, size)| x / size).collect();
+        Response {
+            mean: of(&self.mean),
+            spread: self.spread.iter().map(of).collect(),
             stops: self.stops.clone(),
         }
     }

@@ -3,9 +3,8 @@
 use crate::DECIDED;
 use crate::information::{Narrowed, Separation, narrowed, separation};
 use crate::limits::{Limits, step};
-use crate::rival::{Response, Rival, Unfit};
+use crate::rival::{Noise, Response, Rival, Unfit};
 use crate::trial::{Shape, Trial, Waveform};
-use phisindy_phys::Record;
 use rayon::prelude::*;
 use std::fmt;
 use std::ops::ControlFlow;
@@ -80,6 +79,8 @@ pub struct Design {
     pub tried: usize,
     /// How many of them would leave the limits of a quantity, or cannot be simulated.
     pub refused: Vec<(String, usize)>,
+    /// Models that cannot be simulated, and why not: no run is designed for them.
+    pub left_out: Vec<(String, String)>,
     /// Whether the work was stopped before its end.
     pub stopped: bool,
 }
@@ -89,7 +90,7 @@ pub struct Design {
 pub enum Failure {
     /// There is nothing that may be driven, and no displacement from which it may be let go.
     NothingDrives,
-    /// Every run leaves the limits: which, and how often.
+    /// No run can be made: why, and how often.
     Forbidden(Vec<(String, usize)>),
     /// No run of this model can be simulated.
     CannotBeSimulated(String, String),
@@ -106,8 +107,8 @@ impl fmt::Display for Failure {
                 "nothing of the rig may be driven or let go: name an input or a displacement in `limits`, as in `limits: { \"F\": (-5.0, 5.0), duration: 20.0 }`",
             ),
             Failure::Forbidden(by) => {
-                let by: Vec<String> = by.iter().map(|(name, n)| format!("`{name}` in {n}")).collect();
-                write!(f, "the limits forbid every run that was looked at; what leaves them: {}", by.join(", "))
+                let by: Vec<String> = by.iter().map(|(why, n)| format!("{why} (in {n})")).collect();
+                write!(f, "no run that was looked at can be made: {}", by.join(", "))
             }
             Failure::CannotBeSimulated(rival, why) => {
                 write!(f, "no run of `{rival}` can be simulated: {why}")
@@ -128,7 +129,7 @@ impl fmt::Display for Failure {
 pub fn design(
     rivals: &[Rival],
     limits: &Limits,
-    (noise, readings): (&[f64], &f64),
+    (noise, readings): (&[Noise], &f64),
     aim: &Aim,
     observe: &(dyn Fn(f64, Activity) -> ControlFlow<()> + Sync),
 ) -> Result<Design, Failure> {
@@ -142,6 +143,8 @@ pub fn design(
     if grid.is_empty() {
         return Err(Failure::NothingDrives);
     }
+    let (rivals, left_out) = able(rivals, &grid)?;
+    let (rivals, first) = (&rivals[..], &rivals[0]);
     let settings = first.systems.len();
     let refinements = REFINED * (REFINEMENTS.len() * 4 + settings - 1);
     let search = Search {
@@ -166,9 +169,13 @@ pub fn design(
         }
     }
     for why in &unfit {
-        match refused.iter_mut().find(|(what, _)| *what == why.what) {
+        let what = match &why.model {
+            Some(model) => format!("{}: {model}", why.what),
+            None => format!("`{}` leaves its limits", why.what),
+        };
+        match refused.iter_mut().find(|(other, _)| *other == what) {
             Some((_, count)) => *count += 1,
-            None => refused.push((why.what.clone(), 1)),
+            None => refused.push((what, 1)),
         }
     }
     refused.sort_by(|a, b| b.1.cmp(&a.1).then_with(|| a.0.cmp(&b.0)));
@@ -176,12 +183,7 @@ pub fn design(
         if search.stopped.load(Ordering::Relaxed) {
             return Err(Failure::Stopped);
         }
-        return Err(match unfit.iter().find(|u| u.model.is_some()) {
-            Some(Refused { model: Some(why), what }) if unfit.iter().all(|u| u.model.is_some()) => {
-                Failure::CannotBeSimulated(what.clone(), why.clone())
-            }
-            _ => Failure::Forbidden(refused),
-        });
+        return Err(Failure::Forbidden(refused));
     }
     let mut runs = best_of_each_form(fine);
     for run in runs.iter_mut().take(REFINED) {
@@ -197,7 +199,32 @@ pub fn design(
     let drives = !first.like.inputs.is_empty();
     let (again, longer) = (repeated(1).filter(|_| drives), repeated(LONGER).filter(|_| drives));
     let (tried, stopped) = (search.tried.load(Ordering::Relaxed), search.stopped.load(Ordering::Relaxed));
-    Ok(Design { runs, again, longer, tried, refused, stopped })
+    Ok(Design { runs, again, longer, tried, refused, left_out, stopped })
+}
+
+/// The models that can be simulated, with probabilities among these, and those that cannot, with the reason: in none of a
+/// few runs all over the grid.
+fn able(rivals: &[Rival], grid: &[Trial]) -> Result<(Vec<Rival>, Vec<(String, String)>), Failure> {
+    const TRIED: usize = 5;
+    let (mut able, mut left_out) = (Vec::new(), Vec::new());
+    for rival in rivals {
+        let mut trials = grid.iter().step_by(grid.len().div_ceil(TRIED));
+        let numbers: Vec<f64> = rival.numbers.iter().map(|(_, value, _)| *value).collect();
+        let run =
+            |trial: &Trial| rival.predicted(trial, &trial.record(&rival.like), &numbers, &rival.start(trial));
+        let mut why = String::new();
+        if trials.any(|trial| run(trial).map_err(|e| why = e.to_string()).is_ok()) {
+            able.push(rival.clone());
+        } else {
+            left_out.push((rival.name.clone(), why));
+        }
+    }
+    let all: f64 = able.iter().map(|rival| rival.probability).sum();
+    able.iter_mut().for_each(|rival| rival.probability /= all);
+    match (able.is_empty(), left_out.first()) {
+        (true, Some((name, why))) => Err(Failure::CannotBeSimulated(name.clone(), why.clone())),
+        _ => Ok((able, left_out)),
+    }
 }
 
 /// A run that cannot be made: for leaving the limits of a quantity, or because a model fails, with its reason.
@@ -206,10 +233,19 @@ struct Refused {
     model: Option<String>,
 }
 
+impl Refused {
+    fn of(rival: &Rival, why: Unfit) -> Refused {
+        match why {
+            Unfit::Leaves(what) => Refused { what, model: None },
+            Unfit::Model(why) => Refused { what: rival.name.clone(), model: Some(why.to_string()) },
+        }
+    }
+}
+
 struct Search<'a> {
     rivals: &'a [Rival],
     limits: &'a Limits,
-    noise: &'a [f64],
+    noise: &'a [Noise],
     readings: f64,
     aim: &'a Aim,
     observe: &'a (dyn Fn(f64, Activity) -> ControlFlow<()> + Sync),
@@ -234,17 +270,18 @@ impl Search<'_> {
         Some(self.responses(trial, within).map(|responses| self.judged(trial, &responses, trial.samples)))
     }
 
+    /// What each model predicts, in units of the noise.
     fn responses(&self, trial: &Trial, within: bool) -> Result<Vec<Response>, Refused> {
-        // A run that is looked at in fewer samples than are measured knows each of them better.
-        let exact = |like: &Record| (step(like) / trial.step).sqrt().min(1.0);
         let of = |rival: &Rival| {
-            let noise: Vec<f64> = self.noise.iter().map(|s| s * exact(&rival.like)).collect();
-            rival.response(trial, within.then_some(self.limits), &noise).map_err(|why| match why {
-                Unfit::Leaves(what) => Refused { what, model: None },
-                Unfit::Model(why) => Refused { what: rival.name.clone(), model: Some(why.to_string()) },
-            })
+            rival.response(trial, within.then_some(self.limits)).map_err(|why| Refused::of(rival, why))
         };
-        self.rivals.iter().map(of).collect()
+        let responses: Vec<Response> = self.rivals.iter().map(of).collect::<Result<_, _>>()?;
+        // A run that is looked at in fewer samples than are measured knows each of them better.
+        let exact = (step(&self.rivals[0].like) / trial.step).sqrt().min(1.0);
+        let readings = responses[0].mean.iter().zip(self.noise.iter().cycle());
+        let sizes: Vec<f64> =
+            readings.map(|(x, noise)| exact * noise.additive.hypot(noise.relative * x)).collect();
+        Ok(responses.iter().map(|response| response.over(&sizes)).collect())
     }
 
     /// What the first samples of a run promise.

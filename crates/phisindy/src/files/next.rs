@@ -12,10 +12,12 @@ use super::source::{Source, part, words};
 use crate::error::Error;
 use crate::options::Options;
 use crate::{Gap, Identified};
-use phisindy_design::{Aim, Limits, Rival, design};
+use phisindy_design::{Aim, Limits, Noise, Rival, design};
+use phisindy_learn::NoiseModel;
 use phisindy_phys::spec::{ConstantSpec, Role};
 use phisindy_phys::splice;
 use phisindy_report::{NextReport, Predicted, QuantityShown};
+use phisindy_signal::standard_deviation;
 use std::path::Path;
 
 /// A model of this probability is left: a rarer one is seldom worth a run (`JUDGE`'s live laws, by convention).
@@ -68,7 +70,17 @@ pub fn next(
     let limits = Limits::of(&first.loaded.parsed, system, records);
     // A run that is let go or driven anew is like the first one that was fitted.
     let k = records.iter().position(|r| r.role == Role::Fit).unwrap_or(0);
-    let noise: Vec<f64> = first.records()[k].noise.iter().map(|(_, sigma)| *sigma).collect();
+    let measured: Vec<usize> = (0..system.columns()).filter(|&c| records[k].columns[c].is_some()).collect();
+    let relative = first.result.noise_model == NoiseModel::Relative;
+    let noise = measured.iter().zip(&first.records()[k].noise).map(|(&c, (_, sigma))| {
+        let size = records[k].columns[c].as_deref().map_or(0.0, standard_deviation);
+        match relative && size > 0.0 {
+            // Zero is read exactly by no sensor.
+            true => Noise { additive: 1e-3 * sigma, relative: sigma / size },
+            false => Noise { additive: *sigma, relative: 0.0 },
+        }
+    });
+    let noise: Vec<Noise> = noise.collect();
     let fits = records.iter().filter(|r| r.role == Role::Fit);
     let readings = fits.map(|r| r.readings() as f64).sum();
     let mut rivals = Vec::new();
@@ -93,18 +105,26 @@ pub fn next(
         })
     });
     let found = found.map_err(|why| format!("`{}`: {why}", source.name))?;
+    failed.extend(
+        found
+            .left_out
+            .iter()
+            .map(|(name, why)| format!("{name} is left out: it cannot be simulated ({why})")),
+    );
+    rivals.retain(|rival| found.left_out.iter().all(|(name, _)| *name != rival.name));
+    let all: f64 = rivals.iter().map(|rival| rival.probability).sum();
+    rivals.iter_mut().for_each(|rival| rival.probability /= all);
     let shown = |k: usize| {
         let (name, unit) = system.measured(k);
         QuantityShown { name: name.to_owned(), unit: unit.to_owned(), factor: system.factor(k) }
     };
-    let measured: Vec<usize> = (0..system.columns()).filter(|&k| records[0].columns[k].is_some()).collect();
     let units: Vec<f64> = measured.iter().map(|&k| system.factor(k)).collect();
     let best = &found.runs[0];
     let predicted = rivals
         .iter()
         .filter_map(|rival| {
-            let response = rival.response(&best.trial, None, &units).ok()?;
-            Some(Predicted::of(&response, units.len()))
+            let response = rival.response(&best.trial, None).ok()?;
+            Some(Predicted::of(&response.over(&units), units.len()))
         })
         .collect();
     let columns = measured.into_iter().map(shown).collect();
