@@ -36,8 +36,6 @@ pub struct Rival {
     pub numbers: Vec<(String, f64, (f64, f64))>,
     /// In which directions these are uncertain.
     pub directions: Vec<Direction>,
-    /// The size of each state.
-    pub scale: Vec<f64>,
     /// The state at rest.
     pub rest: Vec<f64>,
 }
@@ -74,9 +72,8 @@ impl Rival {
             let start = (0..states).map(|j| if j == k { sigma.additive } else { 0.0 }).collect();
             directions.push(Direction { numbers: vec![0.0; kept.len()], start });
         }
-        let scale = (0..states).map(|k| like.columns[k].as_deref().map_or(0.0, size)).collect();
         let rest = vec![0.0; states];
-        Rival { name, probability, systems, like, numbers, directions, scale, rest }
+        Rival { name, probability, systems, like, numbers, directions, rest }
     }
 
     /// Lets it come to rest, with its inputs at rest: where a run of it starts. A model that does not is released from
@@ -117,7 +114,7 @@ impl Rival {
         start: &[f64],
     ) -> Result<Predicted, ModelError> {
         let system = &self.systems[trial.setting];
-        Predictor::new(system, record, &self.scale)?.run(Some(&self.values(system, numbers)), start)
+        Predictor::new(system, record)?.run(Some(&self.values(system, numbers)), start)
     }
 
     /// The numbers of a system: those that were found by name, the others as it starts them.
@@ -147,7 +144,7 @@ impl Rival {
     pub fn response(&self, trial: &Trial, limits: Option<&Limits>) -> Result<Response, Unfit> {
         let record = trial.record(&self.like);
         let system = &self.systems[trial.setting];
-        let predictor = Predictor::new(system, &record, &self.scale).map_err(Unfit::Model)?;
+        let predictor = Predictor::new(system, &record).map_err(Unfit::Model)?;
         let measured: Vec<usize> = (0..system.columns()).filter(|&k| record.columns[k].is_some()).collect();
         let centre: Vec<f64> = self.numbers.iter().map(|(_, value, _)| *value).collect();
         let from = self.start(trial);
@@ -273,10 +270,6 @@ fn spreads(kept: &[usize], covariance: &[Vec<f64>]) -> Vec<Vec<f64>> {
         row
     };
     (0..n).filter(|&k| values[k] > ROUNDING * largest).map(along).collect()
-}
-
-fn size(column: &[f64]) -> f64 {
-    column.iter().fold(0.0, |m, x| m.max(x.abs()))
 }
 
 impl Trial {

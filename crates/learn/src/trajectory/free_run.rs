@@ -337,7 +337,13 @@ pub fn predicted(
     start: &[f64],
     scale: &[f64],
 ) -> Result<Vec<Vec<f64>>, ModelError> {
-    Ok(Predictor::new(system, record, scale)?.run(None, start)?.columns)
+    let mut predictor = Predictor::new(system, record)?;
+    let shows = record.columns.iter().any(Option::is_some);
+    let scale = if shows { predictor.problem.scale.clone() } else { scale.to_vec() };
+    // A fit may be coarser than what is asked for here.
+    let tolerance = predictor.problem.tolerance.min(Options::default().tolerance);
+    predictor.options = Options { tolerance, scale, diverged: DIVERGED_SIZE, ..Options::default() };
+    Ok(predictor.run(None, start)?.columns)
 }
 
 /// Predicts one record again and again, with other numbers.
@@ -356,17 +362,14 @@ pub struct Predicted {
 }
 
 impl<'a> Predictor<'a> {
-    /// Of a model without unknown part. `scale` is the size of each state for a record that shows none.
+    /// Of a model without unknown part, along a record that shows how large its states are: as accurate as a fit, and given
+    /// up where a fit gives up.
     ///
     /// # Errors
     /// The model cannot be evaluated.
-    pub fn new(system: &'a System, record: &'a Record, scale: &[f64]) -> Result<Predictor<'a>, ModelError> {
+    pub fn new(system: &'a System, record: &'a Record) -> Result<Predictor<'a>, ModelError> {
         let problem = Problem::new(system, &[], &[record], &[1])?;
-        let shows = record.columns.iter().any(Option::is_some);
-        let scale = if shows { problem.scale.clone() } else { scale.to_vec() };
-        // A fit may be coarser than what is asked for here.
-        let tolerance = problem.tolerance.min(Options::default().tolerance);
-        let options = Options { tolerance, scale, diverged: DIVERGED_SIZE, ..Options::default() };
+        let options = problem.options(&problem.segments[0], None);
         Ok(Predictor { problem, options })
     }
 
