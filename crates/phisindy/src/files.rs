@@ -35,5 +35,5 @@ pub use laws::{LawFolderError, beside, catalogue, doubts, law_files};
 pub use load::{Purpose, Refusal, load, load_text, open, open_text, spec_text, start_of, with_assignments};
 pub use provenance::{Asked, Difference, Provenance, Verified, verify};
 pub use request::{Assignment, Naming, Request};
-pub use results::{FolderError, Kept, ResultFolder};
+pub use results::{FolderError, Kept, ResultFolder, put_new};
 pub use whole::{try_to_write, write_whole};
