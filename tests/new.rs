@@ -333,6 +333,14 @@ fn lines_before_the_heading_are_skipped() {
     }
     let (_, text, _) = made("no_preamble", body.as_bytes());
     assert!(!text.contains("skip:"), "{text}");
+    // Names over their units; a tonne per millisecond is a unit too.
+    let swing = |_, t: f64| format!("{:.1};{:.4}", 1e3 * t, 10.0 * (9.0 * t).cos()).replace('.', ",");
+    for before in ["", "Messung 12\nPruefer: Meier\n", "Zeit;Weg\n"] {
+        let file = format!("{before}{}", table("t / ms;s / mm", 400, swing));
+        let (scratch, text, _) = made("over_a_unit", file.as_bytes());
+        holds(&text, &["time: (\"t / ms\", \"ms\")", "(\"s / mm\", \"mm\")"]);
+        checked(&scratch, &text);
+    }
 }
 
 #[test]
@@ -470,6 +478,33 @@ fn bad_files_are_refused_with_the_place_and_what_to_do() {
             })
             .into(),
             &["`x` holds the text `1.234,5` in line 152", "write numbers without marks of thousands"],
+        ),
+        (
+            "thousands_from_the_first_row",
+            table("t / s;x / um", 200, |k, t| {
+                format!("{};{}.234,5", format!("{t}").replace('.', ","), 100 + k)
+            })
+            .into(),
+            &["holds the text `100.234,5` in line 2", "write numbers without marks of thousands"],
+        ),
+        (
+            "thousands_apart",
+            table("t / s;x / um", 200, |k, t| format!("{t};{} 234,5", 100 + k).replace('.', ",")).into(),
+            &["holds the text `100 234,5` in line 2", "write numbers without marks of thousands"],
+        ),
+        (
+            "thousands_by_an_apostrophe",
+            table("t / s;x / um", 200, |k, t| format!("{t};{k}'234.5")).into(),
+            &["holds the text `1'234.5` in line 3", "write numbers without marks of thousands"],
+        ),
+        (
+            "thousands_without_decimals",
+            table("t_s\tcounts", 200, |k, t| match k {
+                ..100 => format!("{t}\t{}", 900 + k),
+                k => format!("{t}\t1,{:03}", k - 100),
+            })
+            .into(),
+            &["column `counts`", "`1,000` beside `900`", "without marks of thousands"],
         ),
         (
             "commas",
@@ -612,6 +647,17 @@ fn a_time_without_a_unit_is_no_record_of_one_row_a_second() {
         holds(&said.err, &[rate, &format!("are taken for {unit}")]);
         checked(&scratch, &text);
     }
+}
+
+#[test]
+fn a_motion_without_a_unit_is_told() {
+    let file = table("time_s,x", 300, |_, t| format!("{t:.3},{:.4}", 10.0 * (5.0 * t).sin()));
+    let (scratch, _, said) = made("motion_unit", file.as_bytes());
+    holds(
+        &said.err,
+        &["note: the heading `x` gives no unit: its numbers are taken for m (", "(\"x\", \"mm\")"],
+    );
+    checked(&scratch, &std::fs::read_to_string(scratch.path("rig.ron")).expect("a spec"));
 }
 
 #[test]

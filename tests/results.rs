@@ -6,6 +6,8 @@ use crate::common::{Scratch, phisindy, program};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fs;
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::TcpStream;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
@@ -283,6 +285,175 @@ fn a_folder_of_results_outlasts_every_fault() {
                         "{told}: {differ:?} {parts:?}"
                     );
                 }
+            }
+        }
+    }
+    assert!(faults > 60, "only {faults} faults were made");
+    eprintln!("{faults} faults");
+}
+
+/// The page of a program, as a browser sees it. Requests give nothing once the program has ended.
+struct Page {
+    host: String,
+    token: String,
+}
+
+impl Page {
+    /// The page whose address is the first line that begins like one.
+    fn of(out: impl Read) -> Option<Page> {
+        let mut lines = BufReader::new(out).lines().map_while(Result::ok);
+        let address = lines.find_map(|line| Some(line.strip_prefix("http://")?.to_owned()))?;
+        let (host, token) = address.split_once('/')?;
+        Some(Page { host: host.to_owned(), token: token.to_owned() })
+    }
+
+    /// Status and body of an answer.
+    fn asked(&self, method: &str, path: &str, headers: &str, body: &str) -> Option<(u16, Value)> {
+        let (Page { host, token }, length) = (self, body.len());
+        let head = format!("{method} /{token}{path} HTTP/1.1\r\nHost: {host}\r\n{headers}");
+        let mut stream = TcpStream::connect(host).ok()?;
+        stream.write_all(format!("{head}Content-Length: {length}\r\n\r\n{body}").as_bytes()).ok()?;
+        let mut answer = String::new();
+        stream.read_to_string(&mut answer).ok()?;
+        let (head, body) = answer.split_once("\r\n\r\n")?;
+        Some((head.split(' ').nth(1)?.parse().ok()?, serde_json::from_str(body).ok()?))
+    }
+
+    /// Sends something; whether it was taken. A fault meets every thread, and each request has one.
+    fn sent(&self, path: &str, body: &str) -> Option<bool> {
+        let there = self.asked("GET", "api/spec?name=a.ron", "", "")?.1;
+        let known = there["version"].as_str().map_or(String::new(), |v| format!("If-Match: {v}\r\n"));
+        Some(self.asked("POST", path, &known, body)?.0 == 200)
+    }
+
+    /// Uploads data, saves a spec twice, and runs it to its end.
+    fn worked(&self, folder: &str, specs: [&str; 2]) -> Option<Value> {
+        self.sent("api/data?name=rig.csv", DATA)?;
+        for spec in specs {
+            if !self.sent("api/spec?name=a.ron", spec)? {
+                fs::write(Path::new(folder).join("a.ron"), spec).expect("written");
+            }
+        }
+        while !self.sent("api/start?name=a.ron&what=run", "")? {}
+        loop {
+            std::thread::sleep(Duration::from_millis(20));
+            let job = self.asked("GET", "api/now", "", "")?.1["job"].clone();
+            if job["running"] == false {
+                return Some(job["ended"].clone());
+            }
+        }
+    }
+}
+
+/// A file that is uploaded.
+const DATA: &str = "t_s,x_mm\n0.0,1.5\n0.1,1.4\n";
+
+/// A signal ends the search of a page, which keeps what it found.
+#[test]
+fn the_search_of_a_page_is_kept_at_every_signal() {
+    for (signal, name) in [("-TERM", "SIGTERM"), ("-HUP", "SIGHUP"), ("-INT", "Ctrl-C")] {
+        let scratch = Scratch::new("search");
+        let long = fs::read_to_string(crate::common::top().join("specs/case1a.ron")).expect("a spec");
+        let long = long.replace(
+            "learn: (optimiser: RAdam, epochs: [1000, 1000, 1000], rates: [0.1, 0.01, 0.001]",
+            "learn: (method: Step, epochs: [9000000], rates: [0.01]",
+        );
+        fs::write(scratch.path("a.ron"), long).expect("written");
+        let mut child = program(&["open", "--no-open", "--quiet", &scratch.path("")])
+            .stdout(Stdio::piped())
+            .spawn()
+            .expect("starts");
+        let page = Page::of(child.stdout.take().expect("a pipe")).expect("its address");
+        assert_eq!(page.sent("api/start?name=a.ron&what=run", ""), Some(true));
+        signalled(&mut child, &[signal]);
+        assert_eq!(child.wait().expect("ends").code(), Some(130), "{signal}");
+        let report = fs::read_to_string(scratch.path("results/a-run-1/report.html")).expect("a result");
+        assert!(report.contains(&format!("topped by {name} before the end")), "{signal}");
+    }
+}
+
+/// At whatever call the program of a page ends, its files are old or new and whole, and so is every result.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_page_outlasts_every_fault() {
+    if !can_trace() {
+        return;
+    }
+    let spec = fs::read_to_string(crate::common::top().join("specs/case1a.ron")).expect("a spec");
+    let specs = ["old", "new"]
+        .map(|title| spec.replace("Case 1a", title).replace("duration: 50.0", "duration: 20.0"));
+    let specs = specs.each_ref().map(String::as_str);
+    // The page in `folder` with a fault; its end, and whether the fault was met.
+    let opened = |folder: &str, inject: Option<(&str, &str, usize)>| {
+        let trace = Scratch::new("trace");
+        let log = trace.path("log");
+        let mut command = Command::new("strace");
+        command.args(["-f", "-qq", "-o", &log]);
+        match inject {
+            Some((call, fault, k)) => command.args([
+                "-e",
+                &format!("trace={call}"),
+                "-e",
+                &format!("inject={call}:{fault}:when={k}"),
+            ]),
+            None => command.args(["-e", "trace=none"]),
+        };
+        let mut child = command
+            .arg("--")
+            .arg(program(&[]).get_program())
+            .args(["open", "--no-open", "--quiet", folder])
+            .stdout(Stdio::piped())
+            .spawn()
+            .expect("strace runs");
+        let ended =
+            Page::of(child.stdout.take().expect("a pipe")).and_then(|page| page.worked(folder, specs));
+        let traced = format!("/proc/{0}/task/{0}/children", child.id());
+        let traced = fs::read_to_string(traced).unwrap_or_default();
+        let _ =
+            Command::new("kill").arg("-TERM").args(traced.split_whitespace()).stderr(Stdio::null()).status();
+        let code = child.wait().expect("ends").code();
+        let log = fs::read_to_string(&log).unwrap_or_default();
+        (ended, code, log.contains("INJECTED") || log.contains("killed by SIGKILL"))
+    };
+    let reference = Scratch::new("reference");
+    let (ended, code, _) = opened(&reference.path(""), None);
+    assert_eq!((ended.expect("an end")["result"].as_str(), code), (Some("a-run-1"), Some(130)));
+    let due = timeless(&reference.0.join("results/a-run-1"));
+    assert!(due.len() > 5, "{:?}", due.keys());
+    let mut faults = 0;
+    for (call, fault) in CALLS.iter().flat_map(|call| FAULTS.map(|fault| (call, fault))) {
+        for k in 1..MOST {
+            let scratch = Scratch::new("fault");
+            let (ended, code, met) = opened(&scratch.path(""), Some((call, fault, k)));
+            if !met {
+                break;
+            }
+            faults += 1;
+            let told = format!("{call} {fault} {k}: {ended:?}, exit code {code:?}");
+            for (name, all) in [("rig.csv", &[DATA][..]), ("a.ron", &specs)] {
+                let text = fs::read_to_string(scratch.path(name));
+                assert!(
+                    text.is_ok_and(|text| all.contains(&text.as_str())) || !scratch.0.join(name).exists(),
+                    "{told}: {name}"
+                );
+            }
+            let results = fs::read_dir(scratch.0.join("results")).into_iter().flatten().flatten();
+            let results: Vec<_> =
+                results.filter(|e| !e.file_name().to_string_lossy().starts_with('.')).collect();
+            for result in &results {
+                let now = timeless(&result.path());
+                let differ: Vec<&String> =
+                    due.keys().filter(|name| now.get(*name) != due.get(*name)).collect();
+                assert!(differ.is_empty() && now.len() == due.len(), "{told}: {differ:?}");
+            }
+            if let Some(ended) = ended {
+                assert_eq!((ended["result"].as_str(), code), (Some("a-run-1"), Some(130)), "{told}");
+                assert_eq!(results.len(), 1, "{told}");
+            }
+            // The next page works as if nothing had been.
+            if k % 10 == 1 {
+                let (ended, code, _) = opened(&scratch.path(""), None);
+                assert!(ended.is_some_and(|e| e["result"].is_string()) && code == Some(130), "{told}");
             }
         }
     }

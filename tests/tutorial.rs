@@ -182,7 +182,7 @@ fn the_first_ten_minutes_are_as_they_say() {
 #[test]
 fn the_first_command_of_the_readme_prints_what_it_shows() {
     let text = std::fs::read_to_string(top().join("README.md")).expect("the README");
-    const START: &str = "$ cargo run --release -- ";
+    const START: &str = "$ phisindy ";
     let all = blocks(&text);
     let first = all.iter().find(|b| b.lines.first().is_some_and(|l| l.starts_with(START))).expect("it");
     let (command, shown) = first.lines.split_first().expect("a command");
@@ -209,7 +209,7 @@ fn the_minute_of_the_readme_is_as_it_says() {
         .expect("the data");
     let text = std::fs::read_to_string(top().join("README.md")).expect("the README");
     let mut all = blocks(&text);
-    all.retain(|b| b.lines.first().is_some_and(|l| l.starts_with("$ phisindy ")));
+    all.retain(|b| b.lines.first().is_some_and(|l| l.starts_with("$ phisindy ") && !l.contains("specs/")));
     assert_eq!(typed(&all, &folder, "rig.ron"), 2);
 }
 

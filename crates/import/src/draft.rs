@@ -146,6 +146,7 @@ impl Draft {
             .shared_headings()
             .chain(draft.of_the_file())
             .chain(draft.guessed_unit())
+            .chain(draft.motion_unit())
             .chain(draft.coarse_time())
             .chain(draft.stated_rate())
             .chain(draft.wrapped(&longest_run))
@@ -221,6 +222,36 @@ impl Draft {
             step: self.time.step,
             unit: heading.unit.clone().unwrap_or_default(),
         })
+    }
+
+    /// A remark if the motion has no unit.
+    fn motion_unit(&self) -> Option<Remark> {
+        let of_angles = self.roles.is_angle;
+        let unit = match (self.roles.displacement, self.roles.velocity) {
+            (Some(_), _) => {
+                if of_angles {
+                    "rad"
+                } else {
+                    "m"
+                }
+            }
+            (None, Some(_)) => {
+                if of_angles {
+                    "rad/s"
+                } else {
+                    "m/s"
+                }
+            }
+            (None, None) => {
+                if of_angles {
+                    "rad/s^2"
+                } else {
+                    "m/s^2"
+                }
+            }
+        };
+        let heading = self.raw(self.moving()).to_owned();
+        (!self.has_unit()).then_some(Remark::MotionUnit { heading, unit })
     }
 
     /// Remarks on positions of the model that wrap: a force that changes its sign where the motion turns

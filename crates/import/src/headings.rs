@@ -306,6 +306,13 @@ pub(crate) fn is_unit(text: &str) -> bool {
     normalized(plain_unit(text)).is_some()
 }
 
+/// Whether a text that may be a unit is a name over its unit, as in `t / ms`: as a unit it measures nothing known.
+pub(crate) fn is_name_over_unit(text: &str) -> bool {
+    let as_unit = normalized(plain_unit(text)).map(|unit| quantity(&unit));
+    let measures = |q: Quantity| !matches!(q, Quantity::Unknown | Quantity::Other);
+    text.contains('/') && !as_unit.is_some_and(measures) && measures(Heading::parse(text).quantity)
+}
+
 /// Whether a text may stand beside units in a second heading line: empty brackets, temperatures.
 pub(crate) fn is_beside_units(text: &str) -> bool {
     let plain = plain_unit(text);

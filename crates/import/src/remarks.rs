@@ -16,6 +16,13 @@ pub enum Remark {
         /// The assumed unit.
         unit: String,
     },
+    /// The motion has no unit.
+    MotionUnit {
+        /// Heading of its column.
+        heading: String,
+        /// The assumed unit.
+        unit: &'static str,
+    },
     /// The stamps are coarser than the rows.
     CoarseTime(Coarse),
     /// No column is time, and the header states the rate.
@@ -97,11 +104,18 @@ impl fmt::Display for Remark {
             ),
             Remark::TimeUnit { heading, step, unit } => write!(
                 f,
-                "the heading `{heading}` gives no unit: its steps of {step} are taken for {unit} (for seconds write \"s\" in the place of \"{unit}\" in the records)"
+                "the heading `{heading}` gives no unit: its steps of {} are taken for {unit} (for seconds write \"s\" in the place of \"{unit}\" in the records)",
+                short(*step)
+            ),
+            Remark::MotionUnit { heading, unit } => write!(
+                f,
+                "the heading `{heading}` gives no unit: its numbers are taken for {unit} (for others name the unit in the heading or in the records, as in \
+                 `(\"{heading}\", \"m{unit}\")`)"
             ),
             Remark::CoarseTime(Coarse { heading, step, rows: (least, most), rate }) => write!(
                 f,
-                "`{heading}` is coarser than the rows, with a new stamp every {step} for {least}{} rows each: the rows are counted, {rate} of them per second",
+                "`{heading}` is coarser than the rows, with a new stamp every {} for {least}{} rows each: the rows are counted, {rate} of them per second",
+                short(*step),
                 if most > least { format!(" to {most}") } else { String::new() }
             ),
             Remark::StatedRate(StatedRate { rate, line, text }) => {
@@ -162,4 +176,9 @@ impl fmt::Display for Remark {
             }
         }
     }
+}
+
+/// A number as a sentence has it: without what a difference leaves in its last digits.
+fn short(x: f64) -> f64 {
+    format!("{x:.9e}").parse().unwrap_or(x)
 }

@@ -15,6 +15,7 @@ mod lines;
 mod mistakes;
 mod record;
 mod table;
+mod thousands;
 
 pub(crate) use line::{Line, LineError};
 pub use record::record;

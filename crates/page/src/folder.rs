@@ -162,13 +162,13 @@ static OWN: LazyLock<String> = LazyLock::new(|| {
 });
 
 /// The name of a file or a folder of this process until it is whole.
-pub(crate) fn part_name(name: &str, k: &str) -> String {
+fn part_name(name: &str, k: &str) -> String {
     format!(".{name}{}{k}{PART}", OWN.as_str())
 }
 
 /// Removes what an earlier program, which was ended by force, has left in a folder: nobody takes a day to write
 /// a file.
-pub(crate) fn clean(folder: &Path) {
+fn clean(folder: &Path) {
     remove_parts(folder, |part| {
         let age = part.symlink_metadata().and_then(|m| m.modified()).ok().and_then(|t| t.elapsed().ok());
         age.is_some_and(|age| age > Duration::from_secs(86_400))

@@ -1,7 +1,7 @@
 //! Results: a folder for each, which appears as a whole, and what can be taken out of it.
 
-use crate::folder::{LONGEST_NAME, Working, clean, ending, part_name, plain};
-use phisindy::files::open_plain_file;
+use crate::folder::{LONGEST_NAME, Working, ending, plain};
+use phisindy::files::{open_plain_file, put_new};
 use phisindy_phys::Sources;
 use phisindy_report::Folder;
 use phisindy_report::export::{
@@ -9,8 +9,8 @@ use phisindy_report::export::{
 };
 use serde_json::{Value, json};
 use std::cmp::Reverse;
-use std::fs::{self, File};
-use std::io::{BufReader, Write};
+use std::fs;
+use std::io::BufReader;
 use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
@@ -27,10 +27,7 @@ const ENDINGS: &[&str] = &["csv", "html", "svg", "json", "ron", "tex", "txt"];
 
 /// A folder like that of a new result, as paths in it see other files.
 pub(crate) fn place(folder: &Path) -> PathBuf {
-    let all = folder.join(RESULTS);
-    // Where it cannot be made, nothing can be kept: `keep` says why.
-    let _ = fs::create_dir_all(&all);
-    all.join("new")
+    folder.join(RESULTS).join("new")
 }
 
 /// Keeps the files of a result in a new folder and returns its name, `STEM-WHAT-N`.
@@ -44,37 +41,10 @@ pub(crate) fn keep(folder: &Path, stem: &str, what: &str, files: &Folder) -> Res
     }
     // `STEM-WHAT-K` is a plain name too.
     let stem = &stem[..stem.floor_char_boundary(LONGEST_NAME - 20)];
-    let part = all.join(part_name(&format!("{stem}-{what}"), "result"));
-    let written = || -> std::io::Result<String> {
-        clean(&all);
-        let _ = fs::remove_dir_all(&part);
-        fs::create_dir_all(&part)?;
-        for (path, text) in &files.files {
-            let path = part.join(path);
-            path.parent().map_or(Ok(()), fs::create_dir_all)?;
-            let mut file = File::create_new(path)?;
-            file.write_all(text.as_bytes())?;
-            file.sync_all()?;
-        }
-        for k in 1.. {
-            let name = format!("{stem}-{what}-{k}");
-            let place = all.join(&name);
-            if place.symlink_metadata().is_ok() {
-                continue;
-            }
-            match fs::rename(&part, &place) {
-                Ok(()) => return Ok(name),
-                // Another program that works in this folder was faster.
-                Err(_) if place.symlink_metadata().is_ok() => {}
-                Err(why) => return Err(why),
-            }
-        }
-        Err(std::io::Error::other("there are too many results"))
-    };
-    written().map_err(|why| {
-        let _ = fs::remove_dir_all(&part);
-        format!("cannot keep the result in `{RESULTS}`: {why}")
-    })
+    let kept = fs::create_dir_all(&all)
+        .and_then(|()| put_new(files, |k| all.join(format!("{stem}-{what}-{k}"))))
+        .map_err(|why| format!("cannot keep the result in `{RESULTS}`: {why}"))?;
+    Ok(kept.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default())
 }
 
 /// The newest results: name, time, verdict, laws.

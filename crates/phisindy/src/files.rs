@@ -38,5 +38,5 @@ pub use load::{Purpose, Refusal, load, load_text, open, open_text, spec_text, st
 pub use next::next;
 pub use provenance::{Asked, Difference, Provenance, Verified, verify};
 pub use request::{Assignment, Naming, Request};
-pub use results::{FolderError, Kept, ResultFolder};
+pub use results::{FolderError, Kept, ResultFolder, put_new};
 pub use whole::{try_to_write, write_whole};

@@ -1,8 +1,9 @@
 //! Separator and decimal mark of a text file.
 
 use crate::clock::is_stamp;
-use crate::headings::{is_beside_units, is_unit};
+use crate::headings::{is_beside_units, is_name_over_unit, is_unit};
 use crate::rows::line::Line;
+use crate::rows::thousands::is_grouped;
 use std::borrow::Cow;
 use std::ops::Range;
 
@@ -136,9 +137,12 @@ fn trimmed(line: &str, range: Range<usize>) -> Range<usize> {
     start..(start + text.trim().len())
 }
 
-/// Whether a field is a number with decimal point or comma, or a time of day.
+/// Whether a field is a number with decimal point or comma, marks of thousands, or a time of day.
 pub(crate) fn looks_like_number(text: &str) -> bool {
-    text.parse::<f64>().is_ok() || text.replacen(',', ".", 1).parse::<f64>().is_ok() || is_stamp(text)
+    text.parse::<f64>().is_ok()
+        || text.replacen(',', ".", 1).parse::<f64>().is_ok()
+        || is_stamp(text)
+        || is_grouped(text)
 }
 
 /// Common spellings of a missing value.
@@ -162,5 +166,8 @@ pub(crate) fn is_units_row(dialect: &Dialect, line: &str) -> bool {
     let number = |cell: &&String| looks_like_number(cell.trim_matches(['[', ']', '(', ')', ' ']));
     let units = cells.iter().filter(|cell| is_unit(cell) && !number(cell)).count();
     let beside = |cell: &&String| !is_unit(cell) && is_beside_units(cell);
-    units > 0 && units + cells.iter().filter(beside).count() == cells.len()
+    // `t / ms;s / mm` are names and their units, though a tonne per millisecond is a unit.
+    units > 0
+        && !cells.iter().all(|cell| is_name_over_unit(cell))
+        && units + cells.iter().filter(beside).count() == cells.len()
 }

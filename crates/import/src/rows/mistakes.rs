@@ -2,6 +2,7 @@
 
 use super::dialect::{Dialect, is_infinite, is_missing};
 use super::line::{Line, LineError};
+use super::thousands::{Marks, is_grouped};
 use crate::data_file::unreadable;
 use crate::listing;
 use phisindy_expr::{Span, nearest};
@@ -200,8 +201,7 @@ impl Mistakes<'_> {
             format!("column `{column}` holds the text `{shown}` in {} {}", self.line, line.number)
         };
         let mut d = self.in_line(message, line, &field, "not a number");
-        let marks = text.matches([',', '.']).count();
-        if marks > 1 && text.chars().all(|c| c.is_ascii_digit() || "+-,.".contains(c)) {
+        if is_grouped(text) {
             d = d.help("write numbers without marks of thousands: `1234.5`");
         } else if text.replacen(',', ".", 1).parse::<f64>().is_ok() && dialect.decimal != Some(',') {
             d = d.help("if the comma is a decimal mark, say `decimal: ','`");
@@ -246,6 +246,17 @@ impl Mistakes<'_> {
             "",
         )
         .help("say which is the decimal mark: `decimal: '.'` or `decimal: ','`")
+    }
+
+    /// Whether the mark in the numbers of a column is one of thousands is in doubt.
+    pub(crate) fn thousands(&self, column: &str, marks: &Marks, at: Span) -> Option<Diagnostic> {
+        let (three, hundreds) = marks.doubt()?;
+        let (column, name) = (listing::name(column), self.name);
+        let message = format!(
+            "column `{column}` of `{name}` has `{three}` beside `{hundreds}`: is its mark one of thousands?"
+        );
+        let d = Diagnostic::error(message).at(self.spec, at, "this file");
+        Some(d.help("write numbers without marks of thousands: `1234`; or give all of them their decimals"))
     }
 
     /// The time of a row is not later than that of the previous row.

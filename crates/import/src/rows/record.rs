@@ -6,6 +6,7 @@ use super::header::Header;
 use super::line::{Line, LineError};
 use super::lines::Lines;
 use super::mistakes::{Mistakes, TimeCell};
+use super::thousands::Marks;
 use crate::clock::Clock;
 use crate::contradictions::{StatedColumn, swapped_columns, unit_contradiction};
 use crate::data_file::DataFile;
@@ -62,6 +63,7 @@ pub fn record(
         mistakes,
         warnings,
         lines,
+        marks: vec![Marks::default(); header.names.len()],
         selection: Selection::new(csv),
         values: Vec::with_capacity(csv.columns.len()),
         clock: Clock::default(),
@@ -77,7 +79,11 @@ pub fn record(
         let line = line.map_err(|e| vec![reader.unreadable_line(&e)])?;
         reader.row(line).map_err(|d| vec![*d])?;
     }
-    let Reader { selection, mistakes, warnings, lines, .. } = reader;
+    let Reader { selection, mistakes, warnings, lines, marks, .. } = reader;
+    let mut named = header.names.iter().zip(&marks);
+    if let Some(doubt) = named.find_map(|(name, marks)| mistakes.thousands(name, marks, csv.path.span)) {
+        return Err(vec![doubt]);
+    }
     match selection.finish() {
         Ok(table) => Ok((table, warnings)),
         Err(e) => Err(vec![e.diagnostic(csv, mistakes.name, spec, lines.fraction_read())]),
@@ -163,6 +169,8 @@ struct Reader<'a> {
     mistakes: Mistakes<'a>,
     warnings: Vec<Diagnostic>,
     lines: Lines<'a>,
+    /// Of each column of the file, for marks of thousands, unless the spec says which mark is the decimal one.
+    marks: Vec<Marks>,
     selection: Selection<'a>,
     /// Buffer for the numbers of a row.
     values: Vec<f64>,
@@ -280,7 +288,8 @@ impl Reader<'_> {
         column: usize,
         scale: Scale,
     ) -> Result<(f64, f64), Box<Diagnostic>> {
-        let (dialect, field, column) = (self.dialect, &fields[column], self.names[column].as_str());
+        let (k, dialect) = (column, self.dialect);
+        let (field, column) = (&fields[k], self.names[k].as_str());
         let text = dialect.unquoted(&line.text, field);
         let comma = text.contains(',');
         let plain = match (comma, dialect.decimal) {
@@ -306,6 +315,9 @@ impl Reader<'_> {
                     dialect,
                 )));
             }
+        }
+        if dialect.decimal.is_none() {
+            self.marks[k].see(&text);
         }
         // Beside "0.5", "1,500" may be a thousand or have a decimal comma: the user has to decide.
         if dialect.decimal.is_none() && (comma || text.contains('.')) {

@@ -5,6 +5,7 @@ use super::header::Header;
 use super::line::{Line, LineError};
 use super::lines::Lines;
 use super::mistakes::Mistakes;
+use super::thousands::{Marks, is_grouped};
 use crate::cell::SEPARATOR;
 use crate::clock::Clock;
 use crate::data_file::{DataFile, unreadable};
@@ -57,6 +58,7 @@ pub fn table(
         dialect: &header.dialect,
         has_header: header.heading.is_some(),
         clocks: vec![Clock::default(); headings.len()],
+        marks: vec![Marks::default(); headings.len()],
         columns: headings.into_iter().map(Column::new).collect(),
         numbers: vec![],
         comma: false,
@@ -72,6 +74,10 @@ pub fn table(
             fraction_read = lines.fraction_read();
             break;
         }
+    }
+    let mut named = rows.columns.iter().zip(&rows.marks);
+    if let Some(doubt) = named.find_map(|(c, marks)| rows.mistakes.thousands(&c.heading.raw, marks, at.1)) {
+        return Err(Box::new(doubt));
     }
     if let Some((message, help)) = rows.defect() {
         return Err(Box::new(Diagnostic::error(message).at(at.0, at.1, "this file").help(help)));
@@ -117,6 +123,8 @@ struct Rows<'a> {
     columns: Vec<Column>,
     /// Of each column, for times of day.
     clocks: Vec<Clock>,
+    /// Of each column, for marks of thousands.
+    marks: Vec<Marks>,
     /// The line of each row.
     numbers: Vec<usize>,
     /// Whether a number with a decimal comma occurred, and one with a point.
@@ -138,13 +146,17 @@ impl Rows<'_> {
             return Err(Box::new(if preamble { d.help(help) } else { d }));
         }
         self.numbers.push(line.number);
-        for ((field, column), clock) in fields.iter().zip(&mut self.columns).zip(&mut self.clocks) {
+        let states = self.clocks.iter_mut().zip(&mut self.marks);
+        for ((field, column), (clock, marks)) in fields.iter().zip(&mut self.columns).zip(states) {
             let text = dialect.unquoted(&line.text, field);
             let comma = dialect.separator != Some(',') && text.contains(',');
             let number = if comma { text.replacen(',', ".", 1).parse::<f64>() } else { text.parse::<f64>() };
             if let Ok(x) = number {
                 self.comma |= comma;
                 self.point |= text.contains('.');
+                if x.is_finite() {
+                    marks.see(&text);
+                }
                 column.values.push(if x.is_finite() { x } else { f64::NAN });
                 continue;
             }
@@ -155,6 +167,10 @@ impl Rows<'_> {
                 column.values.push(seconds);
                 column.stamps += 1;
                 continue;
+            }
+            if is_grouped(&text) {
+                let name = &column.heading.raw;
+                return Err(Box::new(self.mistakes.not_a_number(line, field.clone(), name, &text, dialect)));
             }
             column.values.push(f64::NAN);
             if !is_missing(&text) {

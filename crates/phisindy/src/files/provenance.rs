@@ -430,11 +430,15 @@ fn text_of(path: &Path) -> io::Result<String> {
     fs::read_to_string(path)
 }
 
+/// The whole path of a folder that will be there, if it is not yet.
+fn whole(path: &Path) -> Option<PathBuf> {
+    let there = if path.as_os_str().is_empty() { Path::new(".") } else { path };
+    there.canonicalize().ok().or_else(|| Some(whole(path.parent()?)?.join(path.file_name()?)))
+}
+
 /// A folder as seen from another one, which is not there before its result is.
 fn relative(folder: &Path, from: &Path) -> Option<PathBuf> {
-    let whole =
-        |path: &Path| if path.as_os_str().is_empty() { Path::new(".") } else { path }.canonicalize().ok();
-    let (folder, from) = (whole(folder)?, whole(from.parent()?)?.join(from.file_name()?));
+    let (folder, from) = (whole(folder).filter(|folder| folder.exists())?, whole(from)?);
     let shared = folder.components().zip(from.components()).take_while(|(a, b)| a == b).count();
     // Another disk of Windows.
     if matches!(folder.components().nth(shared), Some(Component::Prefix(_))) {
@@ -464,6 +468,7 @@ mod tests {
         assert_eq!(seen("a", "a").as_deref(), Some("."));
         assert_eq!(seen("nowhere", "a"), None);
         assert_eq!(seen("c d", "a/new").as_deref(), Some("../../c d"));
+        assert_eq!(seen("c d", "a/results/new").as_deref(), Some("../../../c d"));
     }
 
     #[test]

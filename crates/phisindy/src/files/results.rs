@@ -160,27 +160,12 @@ impl ResultFolder {
     /// # Errors
     /// The disk is full, or the folder was made impossible to replace; nothing of the earlier result is lost.
     pub fn put(&self, files: &Folder) -> io::Result<Kept> {
+        let spec = self.spec.as_deref();
+        let spec =
+            spec.map(|spec| Ok::<_, io::Error>((spec, fs::read(self.path.join(spec))?))).transpose()?;
         let (part, _lock) = new_folder(&self.path)?;
-        let written = self.written(files, &part).and_then(|()| self.placed(files, &part));
-        written.inspect_err(|_| drop(fs::remove_dir_all(&part)))
-    }
-
-    /// Writes everything into `part`.
-    fn written(&self, files: &Folder, part: &Path) -> io::Result<()> {
-        let write = |name: &Path, content: &[u8]| -> io::Result<()> {
-            let path = part.join(name);
-            fs::create_dir_all(folder_of(&path))?;
-            let mut file = File::create_new(path)?;
-            file.write_all(content)?;
-            file.sync_all()
-        };
-        files.files.iter().try_for_each(|(name, text)| write(Path::new(name), text.as_bytes()))?;
-        if let Some(spec) = &self.spec {
-            write(spec, &fs::read(self.path.join(spec))?)?;
-        }
-        folders(files).for_each(|inner| sync_folder(&part.join(inner)));
-        sync_folder(part);
-        Ok(())
+        let put = written(files, spec, &part).and_then(|()| self.placed(files, &part));
+        put.inspect_err(|_| drop(fs::remove_dir_all(&part)))
     }
 
     /// Puts what lies in `part` in its place.
@@ -242,22 +227,59 @@ impl ResultFolder {
 
     /// Renames a folder to the first of `PATH.1`, `PATH.2`, ... that is free.
     fn beside(&self, from: &Path) -> io::Result<PathBuf> {
-        let mut why = io::Error::other("there are too many results beside it");
-        for k in 1..10_000 {
+        renamed(from, |k| {
             let mut to = self.path.clone().into_os_string();
             to.push(format!(".{k}"));
-            let to = PathBuf::from(to);
-            if to.symlink_metadata().is_err() {
-                match fs::rename(from, &to) {
-                    Ok(()) => return Ok(to),
-                    // Another program was faster.
-                    Err(error) if to.exists() => why = error,
-                    Err(error) => return Err(error),
-                }
+            PathBuf::from(to)
+        })
+    }
+}
+
+/// Puts the files of a result into a new folder as a whole: the first of `path(1)`, `path(2)`, ... that is
+/// free.
+///
+/// # Errors
+/// The disk is full, or the folder cannot be written.
+pub fn put_new(files: &Folder, path: impl Fn(usize) -> PathBuf) -> io::Result<PathBuf> {
+    let first = path(1);
+    remove_parts(&first);
+    let (part, _lock) = new_folder(&first)?;
+    let put = written(files, None, &part).and_then(|()| renamed(&part, path));
+    let put = put.inspect_err(|_| drop(fs::remove_dir_all(&part)))?;
+    sync_folder(folder_of(&put));
+    Ok(put)
+}
+
+/// Writes the files of a result, and one more, into `part`.
+fn written(files: &Folder, more: Option<(&Path, Vec<u8>)>, part: &Path) -> io::Result<()> {
+    let write = |name: &Path, content: &[u8]| -> io::Result<()> {
+        let path = part.join(name);
+        fs::create_dir_all(folder_of(&path))?;
+        let mut file = File::create_new(path)?;
+        file.write_all(content)?;
+        file.sync_all()
+    };
+    files.files.iter().try_for_each(|(name, text)| write(Path::new(name), text.as_bytes()))?;
+    more.map_or(Ok(()), |(name, content)| write(name, &content))?;
+    folders(files).for_each(|inner| sync_folder(&part.join(inner)));
+    sync_folder(part);
+    Ok(())
+}
+
+/// Renames a folder to the first of `path(1)`, `path(2)`, ... that is free.
+fn renamed(from: &Path, path: impl Fn(usize) -> PathBuf) -> io::Result<PathBuf> {
+    let mut why = io::Error::other("there are too many results beside it");
+    for to in (1..10_000).map(path) {
+        if to.symlink_metadata().is_err() {
+            match fs::rename(from, &to) {
+                Ok(()) => return Ok(to),
+                // Another program was faster.
+                Err(error) if to.exists() => why = error,
+                Err(error) => return Err(error),
             }
         }
-        Err(why)
     }
+    Err(why)
 }
 
 /// A new folder beside this path, and its lock. Windows opens no folders.
