@@ -546,15 +546,6 @@ mod tests {
             .replace("SIZE", size)
     }
 
-    /// Friction that moves the model less than another drawing of the inputs does: no drawing explains the records, and
-    /// friction does.
-    #[test]
-    fn an_effect_that_explains_stands_for_no_drawing() {
-        let found = found(&rig(r#"(0.4, "1/s")"#, "-0.01*sgn(v)", "0.002"), &[("coulomb", COULOMB)]);
-        let laws: Vec<&str> = found.steps.iter().map(|s| s.effect.entry.id.as_str()).collect();
-        assert_eq!((found.status, &laws[..]), (Status::Explained, &["coulomb"][..]), "{:?}", found.warnings);
-    }
-
     /// A law that leaves noise only while a constant is pressed against its bound is not what is there; at a bound that
     /// is the truth it is.
     #[test]
