@@ -200,8 +200,8 @@ impl<'s, 'a> Ending<'s, 'a> {
     }
 
     /// Drops the effects that the drawing of the inputs between their samples leaves open, where the rest of
-    /// the model is as good as that drawing allows. Returns the gap that the drawing leaves. A model that explains
-    /// the records needs no excuse: with fewer effects no drawing did, for [`redrawn`] has tried them.
+    /// the model is as good as that drawing allows. Returns the gap that the drawing leaves. A model that
+    /// explains the records needs no excuse: with fewer effects no drawing did, for [`redrawn`] has tried them.
     fn coarse_inputs(&mut self) -> Result<f64, GapError> {
         if self.last.score.explains() || self.interrupted() {
             return Ok(0.0);
@@ -546,8 +546,8 @@ mod tests {
             .replace("SIZE", size)
     }
 
-    /// A law that leaves noise only while a constant is pressed against its bound is not what is there; at a bound that
-    /// is the truth it is.
+    /// A law that leaves noise only while a constant is pressed against its bound is not what is there; at a
+    /// bound that is the truth it is.
     #[test]
     fn a_constant_that_is_pressed_against_its_bound_is_a_doubt() {
         let of = |lacks: &str| {

@@ -64,8 +64,8 @@ pub(crate) fn input_noise(last: &Fitted, noise: &[Vec<f64>]) -> Option<InputNois
         .collect();
     // Mean square of the gap that input noise alone leaves, without the measurement noise.
     let made = apart.iter().sum::<f64>() / apart.len() as f64;
-    // Stops pass a small noise on as few large differences, so its draws scatter. What one in twenty leaves is no
-    // lack of the model (the Monte Carlo test of A. C. A. Hope, J. R. Stat. Soc. B 30 (1968) 582-598).
+    // Stops pass a small noise on as few large differences, so its draws scatter. What one in twenty leaves
+    // is no lack of the model (the Monte Carlo test of A. C. A. Hope, J. R. Stat. Soc. B 30 (1968) 582-598).
     let most = apart.iter().copied().fold(REPEATS.powi(2) * made, f64::max);
     let gap = |power: f64| (1.0 + power).sqrt();
     let much = made > INPUT_NOISE_PART * (left.powi(2) - 1.0);

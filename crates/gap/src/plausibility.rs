@@ -72,9 +72,9 @@ fn undetermined(last: &Fitted, applied: &Applied) -> Option<Veto> {
     (!law.simpler.is_empty() && !rest.is_empty() && rest.iter().all(|&k| zero(k))).then(|| named(&rest))
 }
 
-/// Whether the data press a constant of the model against its bound: beyond it the same laws leave less than chance
-/// explains. Then these laws are not what is there, or the bound is wrong. A constant that lies at its bound is
-/// within its bounds, and half of all fits to data of such a rig end there.
+/// Whether the data press a constant of the model against its bound: beyond it the same laws leave less by
+/// more than chance. Then these laws are not what is there, or the bound is wrong. Where the truth lies at the
+/// bound half of all fits end there, and nothing presses.
 pub(crate) fn pressed(last: &Fitted, noise: &[Vec<f64>]) -> bool {
     let mut model = last.settled();
     let own = |k: usize| last.model.effects.iter().any(|a| a.parameters.contains(&k));
