@@ -299,8 +299,8 @@ decisions! {
     MOST_OF_RESIDUAL: f64 = 0.5, "of the power", Basis::Judgement("it is then the larger part");
     /// Noise of inputs that accounts for this fraction of a gap is reported.
     INPUT_NOISE_PART: f64 = 0.25, "of the gap", BLIND;
-    /// Number of noise draws: a rig that swings at one frequency responds differently to each.
-    INPUT_NOISE_DRAWS: usize = 4, "draws", Basis::Judgement("cost");
+    /// Number of noise draws: what is left is larger than all of them by chance once in twenty times.
+    INPUT_NOISE_DRAWS: usize = 19, "draws", Basis::Convention("a Monte Carlo test at 5 %, A. C. A. Hope 1968");
     /// A column with the shape of the model's, but larger or smaller by this factor, has a wrong unit.
     WRONG_UNIT: f64 = 5.0, "factor", BLIND;
     /// If model and rig differ by more in size, a unit is wrong and no effect is missing.

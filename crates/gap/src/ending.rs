@@ -6,19 +6,19 @@ use crate::decisions::{REPEATS, SAME_FREQUENCY, SUBSTANTIAL};
 use crate::drive::Drive;
 use crate::drive_frequency::drive_frequency;
 use crate::formula::{DISCOVERED, expansion};
-use crate::input_interpolation::{Redrawn, coarse_inputs, redrawn};
+use crate::input_interpolation::{Redrawn, beyond_noise, coarse_inputs, redrawn};
 use crate::model::{
     Applied, ColumnError, Fitted, Measure, TrialModel, current, expression, text_with, values,
 };
 use crate::none_of_these::probability as probability_of_none;
 use crate::other_causes::{causes, input_noise};
 use crate::place::Site;
-use crate::plausibility::{cancelling, vetoed};
+use crate::plausibility::{cancelling, pressed, vetoed};
 use crate::result::verdict::{bent, helpful, refused, status};
 use crate::result::{
-    Activity, Alternative, Cancelling, ColumnGap, ColumnRepeat, Gap, GapError, InputError, InputNoise,
-    MissingForce, Named, NotTried, PlacedLaw, RecordValue, Region, Rival, Simulated, Status, Step,
-    StepParameter, StopReason, Tried, Veto, Vetoed, Warning, observed_ranges, regions,
+    Activity, Alternative, Cancelling, ColumnGap, ColumnRepeat, Gap, GapError, InputError, MissingForce,
+    Named, NotTried, PlacedLaw, RecordValue, Region, Rival, Simulated, Status, Step, StepParameter,
+    StopReason, Tried, Veto, Vetoed, Warning, observed_ranges, regions,
 };
 use crate::search::{Round, SEARCHED, Search, Searched, placed, refitted};
 use crate::sensor_linearity::sensor_nonlinearity;
@@ -203,19 +203,20 @@ impl<'s, 'a> Ending<'s, 'a> {
     }
 
     /// Drops the effects that the drawing of the inputs between their samples leaves open, where the rest of
-    /// the model is as good as that drawing allows. Returns the gap that the drawing leaves.
+    /// the model is as good as that drawing allows. Returns the gap that the drawing leaves. A model that
+    /// explains the records needs no excuse: with fewer effects no drawing did, for [`redrawn`] has tried them.
     fn coarse_inputs(&mut self) -> Result<f64, GapError> {
-        let complete = self.last.model.effects.is_empty() && self.last.score.explains();
-        let found =
-            if complete || self.interrupted() { None } else { coarse_inputs(&self.path, &self.noise) };
-        let Some((left, coarse)) = found else { return Ok(0.0) };
-        let open = (1.0 + coarse.open.powi(2)).sqrt();
-        if self.path[left].score.gap() > REPEATS * open {
+        if self.last.score.explains() || self.interrupted() {
+            return Ok(0.0);
+        }
+        let Some((left, coarse)) = coarse_inputs(&self.path, &self.noise) else { return Ok(0.0) };
+        if beyond_noise(&self.path[left]).sqrt() > REPEATS * coarse.open {
             return Ok(0.0);
         }
         self.path.truncate(left + 1);
         self.last = with_errors(self.path[left].clone(), &self.noise)?;
         self.path[left] = self.last.clone();
+        let open = (1.0 + coarse.open.powi(2)).sqrt();
         self.warnings.push(Warning::CoarseInput(coarse));
         Ok(open)
     }
@@ -231,7 +232,8 @@ impl<'s, 'a> Ending<'s, 'a> {
         let explained = status == Status::Explained && !self.interrupted();
         let curve = if explained { sensor_nonlinearity(&self.last, &self.noise) } else { None };
         if vetoed.is_empty() && cancelling.is_none() && curve.is_none() {
-            return (status, all);
+            let pressed = explained && pressed(&self.last, &self.noise);
+            return if pressed { (Status::Unexplained, 0) } else { (status, all) };
         }
         let ruled_out = vetoed.iter().map(|(k, _)| *k).min().unwrap_or(all);
         let own: Vec<PlacedLaw> = placed(&self.last.model);
@@ -320,9 +322,9 @@ impl<'s, 'a> Ending<'s, 'a> {
             let noise = input_noise(&self.last, &self.noise);
             // What the noise of the inputs leaves is no force: the model is as good as they are.
             let whole = helps == determined && helps == whole.model.effects.len() && mixed.is_none();
-            let left = |of: &Fitted, n: &InputNoise| of.score.fit <= REPEATS * n.alone;
-            if let Some(n) = noise.as_ref().filter(|n| whole && left(&self.last, n)) {
-                status = if left(&self.base, n) { Status::NothingMissing } else { Status::Explained };
+            if let Some(n) = noise.as_ref().filter(|n| whole && n.left <= n.most) {
+                let complete = self.base.score.gap() <= n.most;
+                status = if complete { Status::NothingMissing } else { Status::Explained };
                 if status == Status::NothingMissing && helps > 0 {
                     self.path.truncate(1);
                     self.last = with_errors(self.path[0].clone(), &self.noise)?;
@@ -531,6 +533,34 @@ fn parameters(last: &Fitted, applied: &Applied) -> Vec<StepParameter> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::test_models::found;
+
+    const COULOMB: &str = include_str!("../../phys/laws/coulomb.ron");
+
+    /// An oscillator, its drive, and what the model lacks.
+    fn rig(damping: &str, lacks: &str, size: &str) -> String {
+        r#"(states: { "x": "m", "v": "m/s" }, inputs: { "u": "m/s^2" },
+            constants: { "k": (4.0, "1/s^2"), "c": DAMPING },
+            known: { "x": "v", "v": "u - c*v - k*x" }, unknown: {},
+            data: [ Synthetic(truth: { "v": "LACKS" }, start: { "x": 0.0, "v": 0.0 }, duration: 150.0, step: 0.2,
+                inputs: { "u": Multisine(amplitude: 1.0, band: (0.05, 0.8), count: 40) }, interpolate: { "u": Linear },
+                measure: ["x"], noise: Sensor({ "x": (SIZE, "m") }), seed: 1) ])"#
+            .replace("DAMPING", damping)
+            .replace("LACKS", lacks)
+            .replace("SIZE", size)
+    }
+
+    /// A law that leaves noise only while a constant is pressed against its bound is not what is there; at a
+    /// bound that is the truth it is.
+    #[test]
+    fn a_constant_that_is_pressed_against_its_bound_is_a_doubt() {
+        let of = |lacks: &str| {
+            let damping = r#"(value: 0.4, unit: "1/s", within: (0.4, 2.0))"#;
+            found(&rig(damping, lacks, "0.05"), &[("coulomb", COULOMB)]).status
+        };
+        assert_eq!(of("-0.1*sgn(v)"), Status::Explained);
+        assert_eq!(of("0.02*v - 0.1*sgn(v)"), Status::Unexplained);
+    }
 
     /// Where a richer model does better than the answer, the answer is not all; once the answer has more effects, what was
     /// an alternative to the next one is none any more.

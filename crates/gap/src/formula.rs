@@ -18,7 +18,7 @@ mod scope;
 mod shape;
 
 use crate::decisions::{
-    FORMULA_PASSES, FORMULAS_FITTED, RACE, REPEATS, RESPONSE_ERROR, RIVALS, SEARCHES_AGAIN, WORTH,
+    FORMULA_PASSES, FORMULAS_FITTED, RACE, RESPONSE_ERROR, RIVALS, SEARCHES_AGAIN, WORTH,
 };
 use crate::model::{Fitted, Measure, TrialModel, current};
 use crate::other_causes::input_noise;
@@ -85,7 +85,7 @@ impl Search<'_> {
     /// Whether a model leaves no more than the noise of the measured inputs does alone, which no force
     /// describes.
     fn left_by_input_noise(&self, of: &Fitted) -> bool {
-        input_noise(of, self.noise).is_some_and(|noise| noise.left <= REPEATS * noise.alone)
+        input_noise(of, self.noise).is_some_and(|noise| noise.left <= noise.most)
     }
 
     /// A search that ended without an explanation, or with one that evidence speaks against, with a formula

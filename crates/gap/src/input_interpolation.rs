@@ -75,10 +75,9 @@ pub(crate) fn redrawn(
 pub(crate) fn coarse_inputs(path: &[Fitted], noise: &[Vec<f64>]) -> Option<(usize, CoarseInput)> {
     let (base, last) = (path.first()?, path.last()?);
     let open = Drawing::of(base, noise).open()?;
-    let moved = |k: usize| path[k - 1].difference(&path[k], noise);
+    let moved = |k: usize| path[k - 1].difference(&path[k], Role::Fit, noise);
     let (left, effect) = match (1..path.len()).find(|&k| moved(k) < open) {
         Some(first) => (first - 1, moved(first)),
-        None if last.score.explains() => return None,
         None => (path.len() - 1, Some(beyond_noise(last)).filter(|left| *left > 0.0 && *left < open)?),
     };
     let inputs = last.model.system.inputs.iter().map(|u| u.name.clone()).collect();
@@ -117,7 +116,7 @@ impl<'a> Drawing<'a> {
             let with_its_numbers = moved(self.base, &model, self.noise)?;
             let redrawn = Fitted::new(model, self.noise, Effort::Thorough).ok()?;
             // A fit that ends in another minimum moves the model too, and no drawing did that.
-            Some(self.base.difference(&redrawn, self.noise).min(with_its_numbers))
+            Some(self.base.difference(&redrawn, Role::Fit, self.noise).min(with_its_numbers))
         };
         *self.open.get_or_init(moved)
     }
@@ -144,7 +143,7 @@ fn moved(base: &Fitted, other: &TrialModel, noise: &[Vec<f64>]) -> Option<f64> {
 /// What a model leaves beyond the noise, on Fit or Validate records, whichever is more: the mean square in
 /// units of the noise. An effect that lowers it moves the model no more, where the model is linear in it: the
 /// residual of a least-squares fit is orthogonal to what the fit moves.
-fn beyond_noise(of: &Fitted) -> f64 {
+pub(crate) fn beyond_noise(of: &Fitted) -> f64 {
     (of.score.gap().max(of.score.fit).powi(2) - 1.0).max(0.0)
 }
 

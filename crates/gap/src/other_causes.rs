@@ -1,6 +1,6 @@
 //! Causes of a gap that no force law explains: a tone, a drift, noise of the measured inputs.
 
-use crate::decisions::{EXPLAINED, INPUT_NOISE_DRAWS, INPUT_NOISE_PART, MOST_OF_RESIDUAL};
+use crate::decisions::{EXPLAINED, INPUT_NOISE_DRAWS, INPUT_NOISE_PART, MOST_OF_RESIDUAL, REPEATS};
 use crate::drive::Drive;
 use crate::model::{Fitted, TrialModel};
 use crate::result::{Cause, InputNoise, Named};
@@ -42,9 +42,10 @@ pub(crate) fn causes(base: &Fitted, last: &Fitted) -> Vec<Cause> {
 }
 
 /// Noise of the measured inputs, where it may cause much of the gap. Adding the same amount of noise once
-/// more must change the simulation by a comparable amount.
+/// more must change the simulation by a comparable amount, on the records on which the gap is measured.
 pub(crate) fn input_noise(last: &Fitted, noise: &[Vec<f64>]) -> Option<InputNoise> {
-    if last.score.fit <= EXPLAINED {
+    let left = last.score.gap();
+    if left.max(last.score.fit) <= EXPLAINED {
         return None;
     }
     let settled = last.settled();
@@ -56,12 +57,19 @@ pub(crate) fn input_noise(last: &Fitted, noise: &[Vec<f64>]) -> Option<InputNois
     }
     let apart: Vec<f64> = draws
         .into_par_iter()
-        .filter_map(|model| Some(last.difference(&Fitted::new(model, noise, Effort::Thorough).ok()?, noise)))
+        .filter_map(|model| {
+            let noisy = Fitted::new(model, noise, Effort::Thorough).ok()?;
+            Some(last.difference(&noisy, last.judged_by(), noise))
+        })
         .collect();
     // Mean square of the gap that input noise alone leaves, without the measurement noise.
     let made = apart.iter().sum::<f64>() / apart.len() as f64;
-    let much = made > INPUT_NOISE_PART * (last.score.fit.powi(2) - 1.0);
-    much.then(|| InputNoise { inputs, alone: (1.0 + made).sqrt(), left: last.score.fit })
+    // Stops pass a small noise on as few large differences, so its draws scatter. What one in twenty leaves
+    // is no lack of the model (the Monte Carlo test of A. C. A. Hope, J. R. Stat. Soc. B 30 (1968) 582-598).
+    let most = apart.iter().copied().fold(REPEATS.powi(2) * made, f64::max);
+    let gap = |power: f64| (1.0 + power).sqrt();
+    let much = made > INPUT_NOISE_PART * (left.powi(2) - 1.0);
+    much.then(|| InputNoise { inputs, alone: gap(made), most: gap(most), left })
 }
 
 /// A residual that is mostly a straight line in time.
@@ -102,12 +110,12 @@ fn tone(record: &Record, residual: &[f64], drive: Option<&mut Drive<'_>>, of: &N
     (!driven).then(|| Cause::Tone { of: of.clone(), share: part, frequency: line })
 }
 
-/// A model with the noise of the measured inputs of its Fit records doubled in power, and the indices of
-/// those inputs.
+/// A model with the noise of the measured inputs of its records doubled in power, and the indices of those
+/// inputs.
 fn disturbed(model: &TrialModel, draw: usize) -> Option<(TrialModel, Vec<usize>)> {
     let (mut out, mut all) = (model.clone(), Vec::new());
     let records = Arc::make_mut(&mut out.records).iter_mut().zip(&model.given.plans);
-    for (record, plan) in records.filter(|(r, _)| r.role == Role::Fit) {
+    for (record, plan) in records {
         let (noisy, of) = noisier(record, &plan.differentiators, draw)?;
         *record = noisy;
         all.extend(of);

@@ -1,7 +1,7 @@
 //! Doubts about a model that leaves only noise: an effect that evidence rules out, an effect whose numbers
 //! the records do not determine, two effects whose forces cancel.
 
-use crate::decisions::CANCELS;
+use crate::decisions::{CANCELS, CHANCE};
 use crate::evaluate::evaluated;
 use crate::evidence::{against, parameter_at_end};
 use crate::model::{Applied, Fitted};
@@ -9,7 +9,7 @@ use crate::motion::Motion;
 use crate::place::Site;
 use crate::result::{Cancelling, PlacedLaw, Veto, Vetoed};
 use phisindy_expr::Tape;
-use phisindy_learn::FoundParameter;
+use phisindy_learn::{Effort, FoundParameter};
 use phisindy_phys::spec::Role;
 
 /// The effects of a fitted model that evidence rules out, or whose numbers the records do not determine, by
@@ -70,6 +70,25 @@ fn undetermined(last: &Fitted, applied: &Applied) -> Option<Veto> {
     // A coefficient of either sign is a correction of the level, others are levels of their own.
     let rest: Vec<usize> = rest.iter().copied().filter(|&k| law.parameters[k].1.within.0 < 0.0).collect();
     (!law.simpler.is_empty() && !rest.is_empty() && rest.iter().all(|&k| zero(k))).then(|| named(&rest))
+}
+
+/// Whether the data press a constant of the model against its bound: beyond it the same laws leave less by
+/// more than chance. Then these laws are not what is there, or the bound is wrong. Where the truth lies at the
+/// bound half of all fits end there, and nothing presses.
+pub(crate) fn pressed(last: &Fitted, noise: &[Vec<f64>]) -> bool {
+    let mut model = last.settled();
+    let own = |k: usize| last.model.effects.iter().any(|a| a.parameters.contains(&k));
+    let at_bound = last.cal.parameters.iter().filter(|p| p.at_bound).filter_map(|p| p.id.constant());
+    let held: Vec<usize> = at_bound.filter(|&k| !own(k)).collect();
+    for &k in &held {
+        let p = &mut model.system.parameters[k];
+        let width = p.within.1 - p.within.0;
+        let low = p.start - p.within.0 < p.within.1 - p.start;
+        p.within = if low { (p.within.0 - width, p.within.1) } else { (p.within.0, p.within.1 + width) };
+    }
+    let fall = |free: &Fitted| last.cal.samples as f64 * (last.score.fit.powi(2) - free.score.fit.powi(2));
+    let freed = if held.is_empty() { None } else { Fitted::new(model, noise, Effort::Plain).ok() };
+    freed.is_some_and(|free| fall(&free) > held.len() as f64 * CHANCE.powi(2))
 }
 
 /// Two effects on one body whose forces cancel each other over most of the motion: together they are the

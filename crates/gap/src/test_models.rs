@@ -2,9 +2,12 @@
 
 use crate::model::{Fitted, TrialModel, noise_of};
 use crate::place::Effect;
+use crate::result::Gap;
+use crate::workflow::gap;
 use phisindy_learn::Effort;
 use phisindy_phys::{LawEntry, Origin, SourceId, check, spec};
 use phisindy_sim::synthesize;
+use std::ops::ControlFlow;
 
 /// The model of a spec with synthetic records, and the noise of these.
 pub(crate) fn model(text: &str) -> (TrialModel, Vec<Vec<f64>>) {
@@ -18,6 +21,17 @@ pub(crate) fn model(text: &str) -> (TrialModel, Vec<Vec<f64>>) {
     let records: Vec<_> = made.collect();
     let noise = noise_of(&records);
     (TrialModel::base(spec, case, records), noise)
+}
+
+/// What the workflow finds with these laws.
+pub(crate) fn found(text: &str, laws: &[(&str, &str)]) -> Gap {
+    let (base, _) = model(text);
+    let (spec, _) = spec::read(text, SourceId(0)).expect("a spec");
+    let (case, _) = check(&spec, SourceId(0)).expect("a case");
+    let catalogue: Vec<LawEntry> =
+        laws.iter().map(|(id, law)| LawEntry::read(id, law).expect("a law")).collect();
+    gap(text, case, base.records.to_vec(), &catalogue, &mut |_, _| ControlFlow::Continue(()))
+        .expect("a result")
 }
 
 /// The fitted model.

@@ -90,6 +90,9 @@ pub fn standing(spec: Spec, case: Case, records: Vec<Record>) -> Result<Standing
     let (_, floor) = floor(&case, &records, &noise);
     let fitted = Fitted::new(TrialModel::base(spec, case, records), &noise, Effort::Plain);
     let fitted = fitted.map_err(GapError::Numerics)?;
+    // The columns tell the noise of few samples to some per cent only; a white residual is the noise.
+    let fitted =
+        if fitted.score.is_white() { fitted.clone().measured_by(&fitted.noise(&noise)) } else { fitted };
     let explains = fitted.score.explains() || at_floor(&fitted, floor);
     Ok(Standing { gap: fitted.score.gap(), samples: fitted.score.judged, explains })
 }

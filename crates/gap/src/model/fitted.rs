@@ -202,12 +202,12 @@ impl Fitted {
         self.input_errors.iter().map(of).sum()
     }
 
-    /// Mean square difference of the residuals of this model and another one on the Fit records, in units of
-    /// the noise.
-    pub(crate) fn difference(&self, other: &Fitted, noise: &[Vec<f64>]) -> f64 {
+    /// Mean square difference of the residuals of this model and another one on the records of a role, in units
+    /// of the noise.
+    pub(crate) fn difference(&self, other: &Fitted, on: Role, noise: &[Vec<f64>]) -> f64 {
         let (mut sum, mut count) = (0.0, 0usize);
         let records = other.cal.records.iter().zip(&self.cal.records).zip(noise);
-        for ((other, own), noise) in records.filter(|((own, _), _)| own.role == Role::Fit) {
+        for ((other, own), noise) in records.filter(|((own, _), _)| own.role == on) {
             for ((a, b), noise) in measured(other).zip(measured(own)).zip(noise) {
                 sum += a.iter().zip(b).map(|(a, b)| ((a - b) / noise).powi(2)).sum::<f64>();
                 count += a.len();
@@ -224,10 +224,14 @@ impl Fitted {
         })
     }
 
+    /// The role of the records on which the gap for decisions is measured.
+    pub(crate) fn judged_by(&self) -> Role {
+        if self.score.validate.is_some() { Role::Validate } else { Role::Fit }
+    }
+
     /// Whether any column of the Validate records (of the Fit records if there are none) follows the motion.
     pub(crate) fn follows(&self) -> bool {
-        let role = if self.score.validate.is_some() { Role::Validate } else { Role::Fit };
-        let counts = self.cal.records.iter().filter(|r| r.role == role);
+        let counts = self.cal.records.iter().filter(|r| r.role == self.judged_by());
         counts.flat_map(|r| &r.nrmse).any(|(_, left)| *left < STANDS_STILL)
     }
 

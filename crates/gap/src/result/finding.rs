@@ -193,6 +193,8 @@ pub struct InputNoise {
     pub inputs: Vec<String>,
     /// The gap that this noise alone leaves.
     pub alone: f64,
+    /// The largest gap for which it accounts.
+    pub most: f64,
     /// The gap that is left.
     pub left: f64,
 }

@@ -229,7 +229,7 @@ impl Display for InputNoise {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         write!(
             f,
-            "the noise of {} from sample to sample moves the model but not the rig: noise of this size alone leaves a gap of about {:.2} on the fitted data, where {:.2} is left; measure that input with less noise, or use what was commanded",
+            "the noise of {} from sample to sample moves the model but not the rig: noise of this size alone leaves a gap of about {:.2}, where {:.2} is left; measure that input with less noise, or use what was commanded",
             self.inputs.join(" and "),
             self.alone,
             self.left

@@ -103,6 +103,8 @@ fn rest(found: &Gap, after: f64) -> &'static str {
         "the rest is within the error bars of the numbers"
     } else if found.warnings.iter().any(|w| matches!(w, Warning::CoarseInput(_))) {
         "the few samples of the input allow no more"
+    } else if matches!(found.alternative, Some(Alternative::InputNoise(_))) {
+        "the rest is the noise of the input"
     } else {
         "the rest is about what the motion itself repeats to"
     }

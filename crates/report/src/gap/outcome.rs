@@ -1,7 +1,7 @@
 //! How the search ended, in words.
 
 use crate::table::short;
-use phisindy_gap::{Gap, Status, Warning};
+use phisindy_gap::{Alternative, Gap, Status, Warning};
 
 /// A larger gap is more than noise.
 pub(super) const NOISE: f64 = 1.1;
@@ -59,6 +59,8 @@ pub(crate) fn outcome(found: &Gap) -> String {
 fn limit(found: &Gap) -> &'static str {
     if found.warnings.iter().any(|w| matches!(w, Warning::CoarseInput(_))) {
         ", as near as the few samples of its input allow"
+    } else if matches!(found.alternative, Some(Alternative::InputNoise(_))) {
+        ", as near as the noise of its input allows"
     } else {
         ", which is about what the motion itself repeats to"
     }
