@@ -277,6 +277,11 @@ fn a_file_becomes_a_spec_and_the_spec_a_result() {
     );
     let (status, model) = page.own("GET", "api/export?result=quick-run-1&to=python", "");
     assert!(status == 200 && model.contains("def rates"), "{model}");
+    page.json("POST", "api/start?name=quick.ron&what=next", "");
+    let result = worked(&page);
+    assert_eq!(result["ended"]["result"], "quick-next-1", "{result}");
+    assert_eq!(page.json("GET", "api/state", "")["results"][0]["ended"], json!("measure next"));
+    assert!(page.own("GET", "results/quick-next-1/drive.csv", "").1.starts_with("t_s"));
     page.end();
     assert!(
         page.text("results/quick-run-1/identified.ron").contains("sgn(v)"),

@@ -301,6 +301,8 @@ decisions! {
     INPUT_NOISE_PART: f64 = 0.25, "of the gap", BLIND;
     /// Number of noise draws: what is left is larger than all of them by chance once in twenty times.
     INPUT_NOISE_DRAWS: usize = 19, "draws", Basis::Convention("a Monte Carlo test at 5 %, A. C. A. Hope 1968");
+    /// So many are made at once; their mean says whether more are worth it.
+    INPUT_NOISE_BLOCK: usize = 4, "draws", Basis::Judgement("a mean of four is known to a half");
     /// A column with the shape of the model's, but larger or smaller by this factor, has a wrong unit.
     WRONG_UNIT: f64 = 5.0, "factor", BLIND;
     /// If model and rig differ by more in size, a unit is wrong and no effect is missing.

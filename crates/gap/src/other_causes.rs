@@ -1,6 +1,8 @@
 //! Causes of a gap that no force law explains: a tone, a drift, noise of the measured inputs.
 
-use crate::decisions::{EXPLAINED, INPUT_NOISE_DRAWS, INPUT_NOISE_PART, MOST_OF_RESIDUAL, REPEATS};
+use crate::decisions::{
+    EXPLAINED, INPUT_NOISE_BLOCK, INPUT_NOISE_DRAWS, INPUT_NOISE_PART, MOST_OF_RESIDUAL, REPEATS,
+};
 use crate::drive::Drive;
 use crate::model::{Fitted, TrialModel};
 use crate::result::{Cause, InputNoise, Named};
@@ -49,26 +51,33 @@ pub(crate) fn input_noise(last: &Fitted, noise: &[Vec<f64>]) -> Option<InputNois
         return None;
     }
     let settled = last.settled();
-    let (draws, of): (Vec<TrialModel>, Vec<Vec<usize>>) =
-        (0..INPUT_NOISE_DRAWS).filter_map(|draw| disturbed(&settled, draw)).unzip();
-    let inputs: Vec<String> = of.first()?.iter().map(|k| settled.system.inputs[*k].name.clone()).collect();
+    let apart = |draw: usize| {
+        let (model, of) = disturbed(&settled, draw)?;
+        let noisy = Fitted::new(model, noise, Effort::Thorough).ok()?;
+        Some((last.difference(&noisy, last.judged_by(), noise), of))
+    };
+    // Mean square of the gap that input noise alone leaves, without the measurement noise.
+    let mean = |all: &[(f64, Vec<usize>)]| all.iter().map(|(apart, _)| apart).sum::<f64>() / all.len() as f64;
+    let excess = left.powi(2) - 1.0;
+    let mut all: Vec<(f64, Vec<usize>)> = Vec::new();
+    // A few draws tell whether the noise of the inputs matters; where one leaves as much, it may be all there is.
+    for block in (0..INPUT_NOISE_DRAWS).collect::<Vec<_>>().chunks(INPUT_NOISE_BLOCK) {
+        all.extend(block.par_iter().filter_map(|&draw| apart(draw)).collect::<Vec<_>>());
+        let enough = all.iter().any(|(apart, _)| *apart >= excess);
+        if all.is_empty() || enough || mean(&all) <= INPUT_NOISE_PART * excess {
+            break;
+        }
+    }
+    let inputs: Vec<String> = all.first()?.1.iter().map(|k| settled.system.inputs[*k].name.clone()).collect();
     if inputs.is_empty() {
         return None;
     }
-    let apart: Vec<f64> = draws
-        .into_par_iter()
-        .filter_map(|model| {
-            let noisy = Fitted::new(model, noise, Effort::Thorough).ok()?;
-            Some(last.difference(&noisy, last.judged_by(), noise))
-        })
-        .collect();
-    // Mean square of the gap that input noise alone leaves, without the measurement noise.
-    let made = apart.iter().sum::<f64>() / apart.len() as f64;
+    let made = mean(&all);
     // Stops pass a small noise on as few large differences, so its draws scatter. What one in twenty leaves
     // is no lack of the model (the Monte Carlo test of A. C. A. Hope, J. R. Stat. Soc. B 30 (1968) 582-598).
-    let most = apart.iter().copied().fold(REPEATS.powi(2) * made, f64::max);
+    let most = all.iter().map(|(apart, _)| *apart).fold(REPEATS.powi(2) * made, f64::max);
     let gap = |power: f64| (1.0 + power).sqrt();
-    let much = made > INPUT_NOISE_PART * (left.powi(2) - 1.0);
+    let much = made > INPUT_NOISE_PART * excess;
     much.then(|| InputNoise { inputs, alone: gap(made), most: gap(most), left })
 }
 
