@@ -416,6 +416,21 @@ fn what_cannot_be_designed_says_why() {
     assert!(said(&["--set", "limits={ band: (0.0, 1.0) }"]).contains("a band begins above 0 Hz"));
     assert!(said(&["--set", "limits={ durations: 3.0 }"]).contains("duration"));
     assert!(said(&["--set", "limits=3"]).contains("expected a map"));
+    // A model that is complete, whose numbers are all held.
+    let held = with_friction(&rig.spec(&["a.csv"], LIMITS));
+    let number = |text: &str, name: &str, value: &str| {
+        let from = text.find(&format!("\"{name}\": ")).expect("a constant");
+        let to = from + text[from..].find(')').expect("its end") + 1;
+        format!("{}\"{name}\": {value}{}", &text[..from], &text[to..])
+    };
+    let held = held
+        .replace("within: (0.0, 4.0)", "")
+        .replace("within: (400.0, 1600.0)", "")
+        .replace("within: (0.0, 12.0)", "");
+    let held = number(&number(&number(&held, "k", "800.0"), "c", "1.5"), "Fc", "0.4");
+    put("held.ron", held);
+    let (code, _, err) = json(&["next", &scratch.path("held.ron")]);
+    assert!(code == 2 && err.contains("nothing is open that a run could decide"), "{err}");
     let nowhere = json(&["next", &scratch.path("nowhere.ron")]);
     assert_eq!(nowhere.0, 2);
     assert!(nowhere.2.contains("nowhere.ron"), "{}", nowhere.2);

@@ -119,6 +119,10 @@ impl Normal {
 fn coordinates(vectors: &[Vec<f64>]) -> Mat<f64> {
     let gram = gram(vectors);
     let n = vectors.len();
+    // Models that predict the same to the last bit span no space, nor do readings that are no numbers.
+    if (0..n).all(|k| gram[(k, k)] == 0.0) || (0..n).any(|k| !gram[(k, k)].is_finite()) {
+        return Mat::zeros(0, n);
+    }
     let Ok(eigen) = gram.self_adjoint_eigen(Side::Lower) else { return Mat::zeros(0, n) };
     let (values, basis) = (eigen.S(), eigen.U());
     let largest = (0..n).map(|k| values[k]).fold(0.0, f64::max);
@@ -168,6 +172,9 @@ pub struct Narrowed {
 pub fn narrowed(response: &Response, moves: &[Vec<f64>]) -> Narrowed {
     let d = response.spread.len();
     assert_eq!(d, moves.len(), "one row for each direction");
+    if d == 0 {
+        return Narrowed::default();
+    }
     let precision = Mat::<f64>::identity(d, d) + gram(&response.spread);
     let Ok(factor) = precision.llt(Side::Lower) else { return Narrowed::default() };
     let gain = (0..d).map(|i| factor.L()[(i, i)].ln()).sum();
@@ -218,6 +225,17 @@ mod tests {
         assert_abs_diff_eq!(found.right[0], 0.809, epsilon = 0.08);
         let without = separation(&[&poor, &rich], &[(0.5, 0.0), (0.5, 0.0)]);
         assert!(without.right[0] == 0.0, "{without:?}");
+    }
+
+    /// One model alone without uncertain numbers, and models that are the same.
+    #[test]
+    fn where_nothing_differs_nothing_is_told() {
+        let still = Response { mean: vec![1.0; 10], spread: vec![], stops: vec![] };
+        let alone = separation(&[&still], &[(1.0, 0.0)]);
+        assert_eq!((alone.wrong, alone.decides), (0.0, 1.0));
+        let same = separation(&[&still, &still], &[(0.5, 0.0), (0.5, 0.0)]);
+        assert_abs_diff_eq!(same.wrong, 0.5, epsilon = 1e-12);
+        assert_eq!(narrowed(&still, &[]), Narrowed::default());
     }
 
     #[test]

@@ -62,7 +62,13 @@ impl Rival {
         };
         let numbers: Vec<(String, f64, (f64, f64))> = kept.iter().map(named).collect();
         let states = system.states.len();
-        let of_numbers = spreads(&kept, covariance);
+        // What no record determines is believed within its bounds, and to be as large as it is by itself.
+        let uniform = |(_, value, (low, high)): &(String, f64, (f64, f64))| {
+            let wide = (high - low) / 12f64.sqrt();
+            if *value == 0.0 { wide } else { wide.min(value.abs()) }
+        };
+        let otherwise: Vec<f64> = numbers.iter().map(uniform).collect();
+        let of_numbers = spreads(&kept, covariance, &otherwise);
         let mut directions: Vec<Direction> =
             of_numbers.into_iter().map(|numbers| Direction { numbers, start: vec![0.0; states] }).collect();
         let measured = (0..system.columns()).filter(|&k| like.columns[k].is_some());
@@ -250,26 +256,37 @@ impl Response {
     }
 }
 
-/// The principal directions of some rows of a covariance. What has none is held.
-fn spreads(kept: &[usize], covariance: &[Vec<f64>]) -> Vec<Vec<f64>> {
-    let variance = |k: usize| covariance.get(k).map_or(0.0, |row| row[k]);
-    let known = |k: usize| variance(k).is_finite() && variance(k) > 0.0;
-    let seen: Vec<usize> = (0..kept.len()).filter(|&i| known(kept[i])).collect();
+/// The principal directions of some rows of a covariance. Where the records say nothing of a number, it is uncertain by
+/// `otherwise`, alone.
+fn spreads(kept: &[usize], covariance: &[Vec<f64>], otherwise: &[f64]) -> Vec<Vec<f64>> {
+    let variance = |i: usize| covariance.get(kept[i]).map_or(f64::INFINITY, |row| row[kept[i]]);
+    let along = |i: usize, by: f64| {
+        let mut row = vec![0.0; kept.len()];
+        row[i] = by;
+        row
+    };
+    let blind = (0..kept.len()).filter(|&i| !variance(i).is_finite() && otherwise[i] > 0.0);
+    let mut all: Vec<Vec<f64>> = blind.map(|i| along(i, otherwise[i])).collect();
+    let seen: Vec<usize> =
+        (0..kept.len()).filter(|&i| variance(i).is_finite() && variance(i) > 0.0).collect();
     let n = seen.len();
-    let size = |i: usize| variance(kept[seen[i]]).sqrt();
+    if n == 0 {
+        return all;
+    }
+    let size = |i: usize| variance(seen[i]).sqrt();
     // Of correlations, so that units play no part.
     let correlation = Mat::from_fn(n, n, |i, j| covariance[kept[seen[i]]][kept[seen[j]]] / size(i) / size(j));
-    let Ok(eigen) = correlation.self_adjoint_eigen(Side::Lower) else { return vec![] };
+    let Ok(eigen) = correlation.self_adjoint_eigen(Side::Lower) else { return all };
     let (values, basis) = (eigen.S(), eigen.U());
     let largest = (0..n).map(|k| values[k]).fold(0.0, f64::max);
-    let along = |k: usize| {
+    for k in (0..n).filter(|&k| values[k] > ROUNDING * largest) {
         let mut row = vec![0.0; kept.len()];
         for i in 0..n {
             row[seen[i]] = values[k].sqrt() * basis[(i, k)] * size(i);
         }
-        row
-    };
-    (0..n).filter(|&k| values[k] > ROUNDING * largest).map(along).collect()
+        all.push(row);
+    }
+    all
 }
 
 impl Trial {

@@ -96,6 +96,8 @@ pub enum Failure {
     CannotBeSimulated(String, String),
     /// No model has this number; these are there.
     NoNumber(String, Vec<String>),
+    /// One model is left, and none of its numbers was to be found.
+    NothingOpen,
     /// It was stopped before anything was found.
     Stopped,
 }
@@ -116,6 +118,9 @@ impl fmt::Display for Failure {
             Failure::NoNumber(name, known) => {
                 write!(f, "there is no number `{name}` to narrow; there is: {}", known.join(", "))
             }
+            Failure::NothingOpen => f.write_str(
+                "one model is left, and all its numbers are held: nothing is open that a run could decide",
+            ),
             Failure::Stopped => f.write_str("stopped before a run was found"),
         }
     }
@@ -138,6 +143,9 @@ pub fn design(
         && !first.numbers.iter().any(|(own, ..)| own == name)
     {
         return Err(Failure::NoNumber(name.clone(), first.numbers.iter().map(|(n, ..)| n.clone()).collect()));
+    }
+    if *aim != Aim::Separate && (0..first.numbers.len()).all(|k| first.std_error(k) == 0.0) {
+        return Err(Failure::NothingOpen);
     }
     let grid = grid(first, limits);
     if grid.is_empty() {
