@@ -344,7 +344,7 @@ fn a_closed_loop_needs_fewer_runs() {
 
 /// A rig with all in its model.
 fn known() -> (Rig, Drive) {
-    let rig = Rig { mass: 2.0, stiffness: 800.0, damping: 1.5, law: Law::Coulomb(0.4), noise: 2e-5 };
+    let rig = Rig { mass: 2.0, stiffness: 800.0, damping: 1.5, law: Law::Coulomb(0.4), noise: 2e-4 };
     (rig, (0..1200).map(|i| 0.005 * f64::from(i)).map(|t| (t, 2.0 * (0.8 * 20.0 * t).sin())).collect())
 }
 
