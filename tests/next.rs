@@ -198,12 +198,15 @@ fn json(arguments: &[&str]) -> (i32, Value, String) {
 }
 
 /// The laws that `gap` names, and the least probability of them.
-fn named(spec: &str) -> (Vec<String>, f64) {
-    let (_, found, _) = json(&["gap", spec]);
+fn named(spec: &str, more: &[&str]) -> (Vec<String>, f64) {
+    let (_, found, _) = json(&[&["gap", spec], more].concat());
     let steps = found["steps"].as_array().cloned().unwrap_or_default();
     let laws = steps.iter().map(|s| s["law"].as_str().unwrap_or("").to_owned()).collect();
     let sure = steps.iter().map(|s| s["probability"].as_f64().unwrap_or(0.0)).fold(f64::INFINITY, f64::min);
-    (laws, if steps.is_empty() { 0.0 } else { sure })
+    let sure = if steps.is_empty() { 0.0 } else { sure };
+    // What was planned is told beside it.
+    assert!(more.is_empty() || found["planned"]["decided"].as_bool() == Some(sure > 0.95), "{found}");
+    (laws, sure)
 }
 
 fn table(text: &str) -> Drive {
@@ -249,8 +252,8 @@ fn one_run_decides_between_the_models_that_are_left() {
         put("c.csv", rig.record(drive, 0.0, &mut dice));
         put("two.ron", rig.spec(&["a.csv", "b.csv"], limits));
         put("again.ron", rig.spec(&["a.csv", "c.csv"], limits));
-        let (laws, sure) = named(&scratch.path("two.ron"));
-        let (laws_before, sure_before) = named(&scratch.path("again.ron"));
+        let (laws, sure) = named(&scratch.path("two.ron"), &["--planned", &scratch.path("plan")]);
+        let (laws_before, sure_before) = named(&scratch.path("again.ron"), &[]);
         let promise = best["decides"].as_f64().expect("a probability");
         let bin = &mut bins[((10.0 * promise) as usize).min(9)];
         *bin = (bin.0 + 1, bin.1 + u64::from(sure > 0.95), bin.2 + promise);
@@ -311,7 +314,7 @@ fn a_closed_loop_needs_fewer_runs() {
         let mut until = |next: &mut dyn FnMut(&str) -> (Drive, f64)| {
             let mut files = first.clone();
             while files.len() <= MOST {
-                let (laws, sure) = named(&spec(&files));
+                let (laws, sure) = named(&spec(&files), &[]);
                 if sure > 0.99 {
                     return (files.len(), laws.iter().any(|law| law == rig.law.name()));
                 }
@@ -355,38 +358,37 @@ fn with_friction(spec: &str) -> String {
         .replace(r#""c": ("#, r#""Fc": Find(start: 0.3, unit: "N", within: (0.0, 4.0)), "c": ("#)
 }
 
-#[test]
-fn a_number_is_narrowed_as_promised() {
-    let (scratch, (rig, drive), mut dice) = (Scratch::new("narrow"), known(), Dice::new(5));
+/// The half-width of `c` that the proposed run gives and the one that the old drive once more gives, each over what was promised; and
+/// the first over the second.
+fn narrowed(seed: u64) -> [f64; 3] {
+    let (scratch, (rig, drive), mut dice) = (Scratch::new("narrow"), known(), Dice::new(seed));
     let put = |name: &str, text: String| fs::write(scratch.0.join(name), text).expect("a file");
     put("a.csv", rig.record(&drive, 0.0, &mut dice));
     put("rig.ron", with_friction(&rig.spec(&["a.csv"], LIMITS)));
-    let (code, found, err) =
-        json(&["next", &scratch.path("rig.ron"), "--narrow", "c", "--out", &scratch.path("plan")]);
+    let asked = ["next", &scratch.path("rig.ron"), "--narrow", "c", "--out", &scratch.path("plan")];
+    let (code, found, err) = json(&asked);
     assert_eq!((code, &found["number"]), (0, &"c".into()), "{err}");
-    let promised = found["runs"][0]["numbers"][0]["promised"].as_f64().expect("a half-width");
-    let again = found["as_before"][0]["numbers"][0]["promised"].as_f64().expect("a half-width");
-    assert!(promised < 0.8 * again, "{promised} {again}");
+    let promise = |run: &Value| run["numbers"][0]["promised"].as_f64().expect("a half-width");
+    let (promised, again) = (promise(&found["runs"][0]), promise(&found["as_before"][0]));
     let plan = table(&fs::read_to_string(scratch.0.join("plan/drive.csv")).expect("a drive"));
     let from = found["runs"][0]["start"]["x"].as_f64().unwrap_or(0.0);
     put("b.csv", rig.record(&plan, from, &mut dice));
     put("c.csv", rig.record(&drive, 0.0, &mut dice));
     let width = |files: &[&str]| {
         put("both.ron", with_friction(&rig.spec(files, LIMITS)));
-        let (_, both, err) = json(&["run", &scratch.path("both.ron")]);
+        let (_, both, err) = json(&["run", &scratch.path("both.ron"), "--planned", &scratch.path("plan")]);
         let own = both["parameters"].as_array().expect(&err).iter().find(|p| p["name"] == "c").expect("c");
         let ends = own["ci95"].as_array().expect("an interval").iter().map(|x| x.as_f64().expect("a number"));
         let ends: Vec<f64> = ends.collect();
-        0.5 * (ends[1] - ends[0])
+        let width = 0.5 * (ends[1] - ends[0]);
+        // The result says it beside the promise.
+        let told = &both["planned"]["numbers"][0];
+        assert_eq!((&told["name"], told["promised"].as_f64()), (&"c".into(), Some(promised)));
+        assert!((told["half_width"].as_f64().expect("a half-width") / width - 1.0).abs() < 1e-12);
+        width
     };
     let (with_best, with_same) = (width(&["a.csv", "b.csv"]), width(&["a.csv", "c.csv"]));
-    // A promise is meant to hold to 20 %: it does in six of eight runs, and this one of the others is wider by 45 %.
-    assert!(
-        (with_best / promised - 1.0).abs() < 0.5 && with_best < 0.5 * with_same,
-        "{with_best} {promised}"
-    );
-    assert!((with_same / again - 1.0).abs() < 0.2, "{with_same} {again}");
-    // The same question in millimetres and grams has the same answer.
+    // The same question in millimetres has the same answer.
     let text = fs::read_to_string(scratch.0.join("rig.ron")).expect("a spec");
     let other = text
         .replace(r#""x": "m", "v": "m/s""#, r#""x": "mm", "v": "mm/s""#)
@@ -397,6 +399,18 @@ fn a_number_is_narrowed_as_promised() {
     let there = other["runs"][0]["numbers"][0]["promised"].as_f64().expect(&err);
     assert!((there / promised - 1.0).abs() < 0.02, "{there} {promised}");
     assert_eq!(other["runs"][0]["drive"]["form"], found["runs"][0]["drive"]["form"]);
+    [with_best / promised, with_same / again, with_best / with_same]
+}
+
+/// The half-width of one record is itself a matter of chance where a contact sticks: the mean of several is what a promise is about.
+#[test]
+fn a_number_is_narrowed_as_promised() {
+    let records = setting("PHISINDY_SETS", 3);
+    let all: Vec<[f64; 3]> = (0..records).map(|k| narrowed(setting("PHISINDY_SEED", 5) + k)).collect();
+    let mean = |i: usize| all.iter().map(|one| one[i]).sum::<f64>() / records as f64;
+    eprintln!("half-width over promise: {:.2} ({:.2} with the drive as before): {all:.2?}", mean(0), mean(1));
+    assert!((mean(0) - 1.0).abs() < 0.2 && (mean(1) - 1.0).abs() < 0.2, "{all:?}");
+    assert!(all.iter().all(|one| one[2] < 0.5), "{all:?}");
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use crate::limit::Limit;
 use crate::sweep::shard::Shard;
+use anyhow::{Context as _, anyhow};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::error::ErrorKind;
 use clap::parser::ValueSource;
@@ -10,8 +11,8 @@ use phisindy::files::{Assignment, Naming, Request};
 use phisindy_import::{Answers, CountUnit, Heading, Quantity};
 use phisindy_phys::spec::Method;
 use phisindy_phys::unit::Unit;
-use phisindy_report::Look;
 use phisindy_report::export::{EXPORTERS, Exporter};
+use phisindy_report::{Look, Plan, RESULT};
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
@@ -22,6 +23,7 @@ Examples:
   phisindy run run1.ron --out first                     the friction with error bars; first/report.html shows it
   phisindy gap run1.ron --out found                     what else is missing? named, added, and how far it explains the data
   phisindy run found/completed.ron --out last           the completed model, fitted once more
+  phisindy next found --out plan                        which run would decide what is left?
   phisindy simulate last/identified.ron                 its motion beside what was measured, as CSV
   phisindy export last --to python --out model.py       the same model as a program of its own
 
@@ -185,6 +187,7 @@ Examples:
   phisindy gap rig.ron                            name what is missing, with its numbers
   phisindy gap rig.ron --out found                also found/report.html, and found/completed.ron: the spec with it
   phisindy run found/completed.ron --data .       its data files are where rig.ron had them
+  phisindy gap both.ron --planned plan            the run of `phisindy next --out plan` was made: what did it decide?
   phisindy gap specs/silverbox.ron --data DIR --laws my-laws",
         after_help = "\
 Tries every law of the catalogue (`phisindy laws`) at every place where it fits: velocities, differences of velocities, sensors.
@@ -526,6 +529,7 @@ const TAKEN: &[(&str, &[&str])] = &[
         "laws",
         &["run", "gap", "go", "simulate", "check", "export", "sweep", "laws", "open", "compare", "next"],
     ),
+    ("planned", &["run", "gap"]),
     ("seed", &["run", "gap", "simulate", "check", "export", "sweep"]),
     ("method", &["run", "sweep"]),
     ("jobs", &["run", "gap", "go", "new", "simulate", "check", "sweep", "open", "verify", "compare", "next"]),
@@ -626,6 +630,9 @@ pub(crate) struct Options {
     /// Change a field of the spec, as in learn.cutoff=0.1 or data.0.noise=Additive(0.02); repeatable
     #[arg(long = "set", global = true, value_name = "PATH=VALUE", value_parser = assignment)]
     pub(crate) sets: Vec<Assignment>,
+    /// Folder of `next --out` whose run was made: say what it decided, beside what was promised
+    #[arg(long, global = true, value_name = "DIR")]
+    pub(crate) planned: Option<PathBuf>,
     /// The words of the command line after the name of the program.
     #[arg(skip)]
     pub(crate) line: Vec<String>,
@@ -636,6 +643,18 @@ pub(crate) struct Options {
 }
 
 impl Options {
+    /// The plan of `--planned`.
+    pub(crate) fn plan(&self) -> Result<Option<Plan>, anyhow::Error> {
+        let Some(folder) = &self.planned else { return Ok(None) };
+        let file = folder.join(RESULT);
+        let told = || format!("--planned {}: cannot read {}", folder.display(), file.display());
+        let text = std::fs::read_to_string(&file).with_context(told)?;
+        let none = || {
+            anyhow!("--planned {}: {} is no plan of `phisindy next --out`", folder.display(), file.display())
+        };
+        Plan::read(&text).ok_or_else(none).map(Some)
+    }
+
     /// What is asked for when a spec is read. The environment is looked at here alone.
     pub(crate) fn request(&self) -> Request {
         let environment = std::env::var_os("PHISINDY_DATA").filter(|v| !v.is_empty());

@@ -15,6 +15,8 @@ use rand_pcg::rand_core::SeedableRng;
 
 /// Imagined outcomes of a run under each model: the error of a probability is at most 3 %.
 const OUTCOMES: usize = 256;
+/// A fit of a run takes its start from the run: what was known before is so many times wider, and plays no part.
+const FREE: f64 = 100.0;
 /// Directions smaller than this part of the largest are rounding.
 const ROUNDING: f64 = 1e-12;
 
@@ -34,7 +36,7 @@ pub struct Separation {
 ///
 /// ```
 /// use phisindy_design::{Response, separation};
-/// let at = |x: f64| Response { mean: vec![x, -x], spread: vec![], stops: vec![] };
+/// let at = |x: f64| Response { mean: vec![x, -x], spread: vec![], ..Response::default() };
 /// let same = separation(&[&at(1.0), &at(1.0)], &[(0.5, 0.0), (0.5, 0.0)]);
 /// assert!((same.wrong - 0.5).abs() < 1e-12 && same.decides == 0.0);
 /// let far = separation(&[&at(1.0), &at(20.0)], &[(0.5, 0.0), (0.5, 0.0)]);
@@ -53,16 +55,18 @@ pub fn separation(responses: &[&Response], models: &[(f64, f64)]) -> Separation 
         r.mean.iter().zip(&first.mean).map(|(a, b)| a - b).collect::<Vec<f64>>()
     });
     let mut vectors: Vec<Vec<f64>> = differences.collect();
-    let spreads: Vec<usize> = responses.iter().map(|r| r.spread.len()).collect();
-    vectors.extend(responses.iter().flat_map(|r| r.spread.iter().cloned()));
+    vectors.extend(responses.iter().flat_map(|r| r.spread.iter().chain(&r.starts).cloned()));
     let coordinates = coordinates(&vectors);
     let size = coordinates.nrows();
     let mut next = responses.len();
-    let normals: Vec<Normal> = (0..responses.len())
-        .map(|l| {
-            let spread = coordinates.submatrix(0, next, size, spreads[l]).to_owned();
-            next += spreads[l];
-            Normal::new((0..size).map(|i| coordinates[(i, l)]).collect(), spread)
+    let normals: Vec<Normal> = responses
+        .iter()
+        .enumerate()
+        .map(|(l, r)| {
+            let both = r.spread.len() + r.starts.len();
+            let spread = coordinates.submatrix(0, next, size, both).to_owned();
+            next += both;
+            Normal::new((0..size).map(|i| coordinates[(i, l)]).collect(), spread, r.starts.len())
         })
         .collect();
     let mut random = Pcg64::seed_from_u64(1);
@@ -89,14 +93,19 @@ pub fn separation(responses: &[&Response], models: &[(f64, f64)]) -> Separation 
 /// A normal distribution with unit noise beside its spread.
 struct Normal {
     mean: Vec<f64>,
+    /// As outcomes scatter.
     spread: Mat<f64>,
+    /// Of the covariance that a fit assumes: the same, with free starts.
     factor: faer::linalg::solvers::Llt<f64>,
 }
 
 impl Normal {
-    fn new(mean: Vec<f64>, spread: Mat<f64>) -> Normal {
-        let n = mean.len();
-        let covariance = Mat::<f64>::identity(n, n) + &spread * spread.transpose();
+    /// The last columns of `spread`, so many, are starts.
+    fn new(mean: Vec<f64>, spread: Mat<f64>, starts: usize) -> Normal {
+        let (n, d) = (mean.len(), spread.ncols());
+        let size = |j: usize| if j + starts >= d { FREE } else { 1.0 };
+        let fitted = Mat::from_fn(n, d, |i, j| size(j) * spread[(i, j)]);
+        let covariance = Mat::<f64>::identity(n, n) + &fitted * fitted.transpose();
         let factor = covariance.llt(Side::Lower).expect("one and more in each direction");
         Normal { mean, spread, factor }
     }
@@ -162,7 +171,7 @@ pub struct Narrowed {
 /// ```
 /// use phisindy_design::{Response, narrowed};
 /// // A number known to 2 moves a hundred readings by as much as their noise where it moves by 2: a tenth of that is left.
-/// let response = Response { mean: vec![0.0; 100], spread: vec![vec![1.0; 100]], stops: vec![] };
+/// let response = Response { mean: vec![0.0; 100], spread: vec![vec![1.0; 100]], ..Response::default() };
 /// let known = narrowed(&response, &[vec![2.0]]);
 /// assert!((known.std_errors[0] - 2.0 / 101f64.sqrt()).abs() < 1e-12);
 /// ```
@@ -170,19 +179,22 @@ pub struct Narrowed {
 /// # Panics
 /// There is not one row of `moves` for each direction.
 pub fn narrowed(response: &Response, moves: &[Vec<f64>]) -> Narrowed {
-    let d = response.spread.len();
+    let (d, s) = (response.spread.len(), response.starts.len());
     assert_eq!(d, moves.len(), "one row for each direction");
     if d == 0 {
         return Narrowed::default();
     }
-    let precision = Mat::<f64>::identity(d, d) + gram(&response.spread);
+    // Starts first: what is left in the lower block of the factor is of the numbers alone.
+    let all: Vec<Vec<f64>> = response.starts.iter().chain(&response.spread).cloned().collect();
+    let before = |i: usize| if i < s { FREE.powi(-2) } else { 1.0 };
+    let precision = Mat::from_fn(s + d, s + d, |i, j| if i == j { before(i) } else { 0.0 }) + gram(&all);
     let Ok(factor) = precision.llt(Side::Lower) else { return Narrowed::default() };
-    let gain = (0..d).map(|i| factor.L()[(i, i)].ln()).sum();
+    let gain = (s..s + d).map(|i| factor.L()[(i, i)].ln()).sum();
     let numbers = moves.first().map_or(0, Vec::len);
     let std_error = |k: usize| {
-        let by = Mat::from_fn(d, 1, |j, _| moves[j][k]);
+        let by = Mat::from_fn(s + d, 1, |j, _| if j < s { 0.0 } else { moves[j - s][k] });
         let left = factor.solve(&by);
-        (0..d).map(|j| by[(j, 0)] * left[(j, 0)]).sum::<f64>().max(0.0).sqrt()
+        (0..s + d).map(|j| by[(j, 0)] * left[(j, 0)]).sum::<f64>().max(0.0).sqrt()
     };
     Narrowed { gain, std_errors: (0..numbers).map(std_error).collect() }
 }
@@ -197,7 +209,7 @@ mod tests {
     #[test]
     fn what_is_left_to_the_wrong_model_is_its_integral() {
         for (apart, p) in [(0.5, 0.5), (2.0, 0.3), (4.0, 0.76)] {
-            let at = |x: f64| Response { mean: vec![x], spread: vec![], stops: vec![] };
+            let at = |x: f64| Response { mean: vec![x], spread: vec![], ..Response::default() };
             let found = separation(&[&at(0.0), &at(apart)], &[(p, 0.0), (1.0 - p, 0.0)]);
             let density = |y: f64, m: f64| (-0.5 * (y - m).powi(2)).exp() / std::f64::consts::TAU.sqrt();
             let step = 1e-3;
@@ -217,7 +229,7 @@ mod tests {
     #[test]
     fn a_richer_model_is_left_with_its_price() {
         let sine: Vec<f64> = (0..200).map(|i| 3.0 * (0.1 * f64::from(i)).sin()).collect();
-        let poor = Response { mean: vec![0.0; 200], spread: vec![], stops: vec![] };
+        let poor = Response { mean: vec![0.0; 200], spread: vec![], ..Response::default() };
         let rich = Response { spread: vec![sine], ..poor.clone() };
         let price = 0.5 * 2000f64.ln();
         let found = separation(&[&poor, &rich], &[(0.5, 0.0), (0.5, price)]);
@@ -230,12 +242,29 @@ mod tests {
     /// One model alone without uncertain numbers, and models that are the same.
     #[test]
     fn where_nothing_differs_nothing_is_told() {
-        let still = Response { mean: vec![1.0; 10], spread: vec![], stops: vec![] };
+        let still = Response { mean: vec![1.0; 10], spread: vec![], ..Response::default() };
         let alone = separation(&[&still], &[(1.0, 0.0)]);
         assert_eq!((alone.wrong, alone.decides), (0.0, 1.0));
         let same = separation(&[&still, &still], &[(0.5, 0.0), (0.5, 0.0)]);
         assert_abs_diff_eq!(same.wrong, 0.5, epsilon = 1e-12);
         assert_eq!(narrowed(&still, &[]), Narrowed::default());
+    }
+
+    /// A number that moves the readings as a start does is known no better afterwards: by the closed form of two unknowns.
+    #[test]
+    fn what_a_free_start_can_imitate_narrows_nothing() {
+        let (level, slope) = (vec![1.0; 100], (0..100).map(|i| f64::from(i) / 100.0).collect::<Vec<f64>>());
+        let with = |spread: &Vec<f64>, start: &Vec<f64>| {
+            let spread = vec![spread.clone()];
+            let response =
+                Response { mean: vec![0.0; 100], spread, starts: vec![start.clone()], stops: vec![] };
+            narrowed(&response, &[vec![2.0]]).std_errors[0]
+        };
+        assert_abs_diff_eq!(with(&level, &level), 2.0, epsilon = 1e-3);
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
+        let (a, b, c) = (dot(&slope, &slope), dot(&slope, &level), 1e-4 + dot(&level, &level));
+        let due = 2.0 / (1.0 + a - b * b / c).sqrt();
+        assert_abs_diff_eq!(with(&slope, &level), due, epsilon = 1e-12);
     }
 
     #[test]
@@ -245,7 +274,7 @@ mod tests {
         let model = |mean: &[f64], spread: &[f64]| Response {
             mean: mean.to_vec(),
             spread: vec![spread.iter().map(|x| 1e3 * x).collect()],
-            stops: vec![],
+            ..Response::default()
         };
         let zero = vec![0.0; 200];
         let alike = [(0.5, 0.0), (0.5, 0.0)];

@@ -13,7 +13,7 @@ mod trial;
 
 pub use information::{Narrowed, Separation, narrowed, separation};
 pub use limits::{Limits, Range, step};
-pub use rival::{Direction, Noise, Response, Rival};
+pub use rival::{Noise, Response, Rival};
 pub use search::{Activity, Aim, Design, Failure, Run, design};
 pub use trial::{Shape, Trial, Waveform};
 

@@ -2,7 +2,7 @@
 
 use phisindy_phys::Record;
 use phisindy_phys::System;
-use phisindy_phys::spec::Spec;
+use phisindy_phys::spec::{ConstantSpec, Spec, Text};
 use phisindy_phys::unit::Unit;
 
 /// The lowest frequency of a drive makes so many cycles in a run; the highest has so many samples in a cycle.
@@ -14,6 +14,10 @@ const SAMPLES_IN_A_CYCLE: f64 = 20.0;
 pub struct Range {
     /// Its name.
     pub name: String,
+    /// The unit that the spec has it in.
+    pub unit: String,
+    /// How many SI units this is.
+    pub factor: f64,
     /// Lowest and highest value (SI).
     pub within: (f64, f64),
     /// Whether the spec says so; otherwise it is what the records have shown.
@@ -39,43 +43,47 @@ impl Limits {
     /// As the spec states them; what it does not say is what its records have shown.
     pub fn of(spec: &Spec, system: &System, records: &[Record]) -> Limits {
         let stated = spec.limits.clone().unwrap_or_default();
-        let of_spec = |name: &str, factor: f64| {
-            let own = stated.ranges.iter().find(|(n, _)| n.value == name);
-            own.map(|(_, (low, high))| Range {
-                name: name.to_owned(),
-                within: (low.value * factor, high.value * factor),
-                stated: true,
-            })
+        let range = |(name, unit, factor): (&str, &str, f64), within: (f64, f64), stated: bool| Range {
+            name: name.to_owned(),
+            unit: unit.to_owned(),
+            factor,
+            within,
+            stated,
         };
-        let shown = |name: &str, columns: Vec<&[f64]>| {
+        let of_spec = |of: (&str, &str, f64)| {
+            let own = stated.ranges.iter().find(|(n, _)| n.value == of.0);
+            own.map(|(_, (low, high))| range(of, (low.value * of.2, high.value * of.2), true))
+        };
+        let shown = |of: (&str, &str, f64), columns: Vec<&[f64]>| {
             let all = || columns.iter().flat_map(|c| c.iter().copied());
             let (low, high) = (all().fold(f64::INFINITY, f64::min), all().fold(f64::NEG_INFINITY, f64::max));
-            (low < high).then(|| Range { name: name.to_owned(), within: (low, high), stated: false })
+            (low < high).then(|| range(of, (low, high), false))
         };
         let says = stated.ranges.iter().any(|(n, _)| system.input(&n.value).is_some());
         let inputs = system.inputs.iter().enumerate().filter_map(|(k, input)| {
             // What follows from another input, or what the spec leaves out where it names others, is not driven.
             let follows = records.iter().any(|r| r.derivations.iter().any(|d| d.input == k));
+            let of = (input.name.as_str(), input.unit.as_str(), input.factor);
             let seen = || {
                 let columns = records.iter().map(|r| r.inputs[k].values()).collect();
-                shown(&input.name, columns).filter(|_| !says)
+                shown(of, columns).filter(|_| !says)
             };
-            let range = of_spec(&input.name, input.factor).or_else(seen).filter(|_| !follows);
+            let range = of_spec(of).or_else(seen).filter(|_| !follows);
             range.map(|range| (k, range))
         });
         let inputs: Vec<(usize, Range)> = inputs.collect();
         let columns = (0..system.columns()).filter_map(|k| {
-            let name = system.measured(k).0;
-            let seen = || shown(name, records.iter().filter_map(|r| r.columns[k].as_deref()).collect());
-            of_spec(name, system.factor(k)).or_else(seen).map(|range| (k, range))
+            let (name, unit) = system.measured(k);
+            let of = (name, unit, system.factor(k));
+            let seen = || shown(of, records.iter().filter_map(|r| r.columns[k].as_deref()).collect());
+            of_spec(of).or_else(seen).map(|range| (k, range))
         });
         let columns = columns.collect();
-        let unit = |name: &str| {
-            let own = spec.constants.iter().find(|(n, _)| n.value == name);
-            own.and_then(|(_, c)| c.unit()).and_then(|u| Unit::parse(&u.value).ok()).map_or(1.0, |u| u.factor)
+        let of_constant = |(name, constant): &(Text, ConstantSpec)| {
+            let unit = constant.unit().map_or("", |unit| unit.value.as_str());
+            of_spec((&name.value, unit, Unit::parse(unit).map_or(1.0, |unit| unit.factor)))
         };
-        let constants =
-            spec.constants.iter().filter_map(|(n, _)| of_spec(&n.value, unit(&n.value))).collect();
+        let constants = spec.constants.iter().filter_map(of_constant).collect();
         let longest = records.iter().map(|r| r.time[r.len() - 1] - r.time[0]).fold(0.0, f64::max);
         let duration = stated.duration.as_ref().map_or((longest, false), |d| (d.value, true));
         let step = records.iter().map(step).fold(f64::INFINITY, f64::min);

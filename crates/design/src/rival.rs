@@ -12,14 +12,8 @@ use std::sync::Arc;
 /// Variances smaller than this part of the largest are rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// A direction in which what is not known for sure moves a model: one standard deviation.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Direction {
-    /// By how much each of the rival's numbers moves (SI).
-    pub numbers: Vec<f64>,
-    /// By how much each state moves at the start (SI).
-    pub start: Vec<f64>,
-}
+/// A speed at the start is known from so many samples of its place.
+const SAMPLES_OF_A_SPEED: f64 = 8.0;
 
 /// A model that may be the true one.
 #[derive(Clone, Debug)]
@@ -34,15 +28,17 @@ pub struct Rival {
     pub like: Record,
     /// Name, value (SI) and bounds of each number that was found.
     pub numbers: Vec<(String, f64, (f64, f64))>,
-    /// In which directions these are uncertain.
-    pub directions: Vec<Direction>,
+    /// In which directions these are uncertain, each one standard deviation (SI).
+    pub directions: Vec<Vec<f64>>,
+    /// By how much each state may move at the start (SI), one after the other: a sensor shows no more.
+    pub starts: Vec<Vec<f64>>,
     /// The state at rest.
     pub rest: Vec<f64>,
 }
 
 impl Rival {
-    /// The rival of these results of a fit. `noise` is that of each measured column: a start is known as one sample
-    /// shows it.
+    /// The rival of these results of a fit. `noise` is that of each measured column: places and speeds at the start are known as it
+    /// lets a few samples show them.
     pub fn new(
         (name, probability): (String, f64),
         systems: Vec<System>,
@@ -68,18 +64,19 @@ impl Rival {
             if *value == 0.0 { wide } else { wide.min(value.abs()) }
         };
         let otherwise: Vec<f64> = numbers.iter().map(uniform).collect();
-        let of_numbers = spreads(&kept, covariance, &otherwise);
-        let mut directions: Vec<Direction> =
-            of_numbers.into_iter().map(|numbers| Direction { numbers, start: vec![0.0; states] }).collect();
+        let directions = spreads(&kept, covariance, &otherwise);
         let measured = (0..system.columns()).filter(|&k| like.columns[k].is_some());
-        for (k, sigma) in
-            measured.zip(noise).filter(|(k, _)| *k < states && system.states[*k].velocity.is_some())
-        {
-            let start = (0..states).map(|j| if j == k { sigma.additive } else { 0.0 }).collect();
-            directions.push(Direction { numbers: vec![0.0; kept.len()], start });
+        let mut sizes: Vec<Option<f64>> = vec![None; states];
+        for (k, sigma) in measured.zip(noise).filter(|(k, _)| *k < states) {
+            sizes[k] = Some(sigma.additive);
+            if let Some(v) = system.states[k].velocity {
+                sizes[v] = sizes[v].or(Some(sigma.additive / (SAMPLES_OF_A_SPEED * step(&like))));
+            }
         }
+        let along = |(k, size): (usize, &Option<f64>)| size.map(|by| unit(states, k, by));
+        let starts = sizes.iter().enumerate().filter_map(along).collect();
         let rest = vec![0.0; states];
-        Rival { name, probability, systems, like, numbers, directions, rest }
+        Rival { name, probability, systems, like, numbers, directions, starts, rest }
     }
 
     /// Lets it come to rest, with its inputs at rest: where a run of it starts. A model that does not is released from
@@ -131,7 +128,7 @@ impl Rival {
 
     /// The standard error of a number.
     pub fn std_error(&self, number: usize) -> f64 {
-        self.directions.iter().map(|d| d.numbers[number].powi(2)).sum::<f64>().sqrt()
+        self.directions.iter().map(|d| d[number].powi(2)).sum::<f64>().sqrt()
     }
 
     /// Where a run starts.
@@ -154,13 +151,13 @@ impl Rival {
         let measured: Vec<usize> = (0..system.columns()).filter(|&k| record.columns[k].is_some()).collect();
         let centre: Vec<f64> = self.numbers.iter().map(|(_, value, _)| *value).collect();
         let from = self.start(trial);
-        let run = |by: f64, direction: &Direction| {
+        let run = |by: f64, direction: &[f64], start: &[f64]| {
             let moved = |(k, x): (usize, &f64)| {
                 let (low, high) = self.numbers[k].2;
-                (x + by * direction.numbers[k]).clamp(low, high)
+                (x + by * direction[k]).clamp(low, high)
             };
             let numbers: Vec<f64> = centre.iter().enumerate().map(moved).collect();
-            let start: Vec<f64> = from.iter().zip(&direction.start).map(|(x, d)| x + by * d).collect();
+            let start: Vec<f64> = from.iter().zip(start).map(|(x, d)| x + by * d).collect();
             let run = predictor.run(Some(&self.values(system, &numbers)), &start).map_err(Unfit::Model)?;
             if let Some(name) = limits.and_then(|limits| limits.left_by(&run.columns, system)) {
                 return Err(Unfit::Leaves(name));
@@ -169,28 +166,31 @@ impl Rival {
             let readings: Vec<f64> = rows.map(|(i, k)| run.columns[k][i]).collect();
             Ok((readings, run.stops))
         };
-        let still = Direction { numbers: vec![0.0; centre.len()], start: vec![0.0; from.len()] };
-        let (mean, counted) = run(0.0, &still)?;
-        let reach = (self.directions.len() as f64).sqrt();
+        let (held, still) = (vec![0.0; centre.len()], vec![0.0; from.len()]);
+        let (mean, counted) = run(0.0, &held, &still)?;
+        let of_numbers = self.directions.iter().map(|direction| (direction, &still));
+        let moves: Vec<_> = of_numbers.chain(self.starts.iter().map(|start| (&held, start))).collect();
+        let reach = (moves.len() as f64).sqrt();
         let mut stops = vec![counted];
-        let mut spread = Vec::new();
-        for direction in &self.directions {
+        let mut spread: Vec<Vec<f64>> = Vec::new();
+        for (direction, start) in moves {
             // A point beyond what the model can do says nothing; the other side of it does.
-            let side = |by: f64| match run(by, direction) {
+            let side = |by: f64| match run(by, direction, start) {
                 Err(Unfit::Model(_)) => Ok(None),
                 other => other.map(Some),
             };
             let (up, down) = (side(reach)?, side(-reach)?);
             let apart = reach * (f64::from(u8::from(up.is_some())) + f64::from(u8::from(down.is_some())));
             if apart == 0.0 {
-                return Err(run(reach, direction).err().unwrap_or(Unfit::Leaves(String::new())));
+                return Err(run(reach, direction, start).err().unwrap_or(Unfit::Leaves(String::new())));
             }
             let of =
                 |point: &Option<(Vec<f64>, Vec<usize>)>, i: usize| point.as_ref().map_or(mean[i], |p| p.0[i]);
             spread.push((0..mean.len()).map(|i| (of(&up, i) - of(&down, i)) / apart).collect());
             stops.extend([up, down].into_iter().flatten().map(|(_, stops)| stops));
         }
-        Ok(Response { mean, spread, stops })
+        let starts = spread.split_off(self.directions.len());
+        Ok(Response { mean, spread, starts, stops })
     }
 }
 
@@ -222,6 +222,8 @@ pub struct Response {
     pub mean: Vec<f64>,
     /// How one standard deviation along each direction moves it.
     pub spread: Vec<Vec<f64>>,
+    /// How it moves with the state at the start. A run begins as near as this to where it is meant to; a fit of it does not know that.
+    pub starts: Vec<Vec<f64>>,
     /// For each point that was simulated how often each contact came to rest; the mean's first.
     pub stops: Vec<Vec<usize>>,
 }
@@ -233,6 +235,7 @@ impl Response {
         Response {
             mean: cut(&self.mean),
             spread: self.spread.iter().map(cut).collect(),
+            starts: self.starts.iter().map(cut).collect(),
             stops: self.stops.clone(),
         }
     }
@@ -244,6 +247,7 @@ impl Response {
         Response {
             mean: of(&self.mean),
             spread: self.spread.iter().map(of).collect(),
+            starts: self.starts.iter().map(of).collect(),
             stops: self.stops.clone(),
         }
     }
@@ -256,17 +260,19 @@ impl Response {
     }
 }
 
+/// One coordinate alone.
+fn unit(n: usize, k: usize, by: f64) -> Vec<f64> {
+    let mut row = vec![0.0; n];
+    row[k] = by;
+    row
+}
+
 /// The principal directions of some rows of a covariance. Where the records say nothing of a number, it is uncertain by
 /// `otherwise`, alone.
 fn spreads(kept: &[usize], covariance: &[Vec<f64>], otherwise: &[f64]) -> Vec<Vec<f64>> {
     let variance = |i: usize| covariance.get(kept[i]).map_or(f64::INFINITY, |row| row[kept[i]]);
-    let along = |i: usize, by: f64| {
-        let mut row = vec![0.0; kept.len()];
-        row[i] = by;
-        row
-    };
     let blind = (0..kept.len()).filter(|&i| !variance(i).is_finite() && otherwise[i] > 0.0);
-    let mut all: Vec<Vec<f64>> = blind.map(|i| along(i, otherwise[i])).collect();
+    let mut all: Vec<Vec<f64>> = blind.map(|i| unit(kept.len(), i, otherwise[i])).collect();
     let seen: Vec<usize> =
         (0..kept.len()).filter(|&i| variance(i).is_finite() && variance(i) > 0.0).collect();
     let n = seen.len();

@@ -60,8 +60,8 @@ pub struct Run {
     pub value: f64,
     /// How well it tells the models apart.
     pub separation: Separation,
-    /// What it makes of the numbers of each model.
-    pub narrowed: Vec<Narrowed>,
+    /// What it makes of the numbers of the first model.
+    pub narrowed: Narrowed,
     /// The share of points in which contacts stop as often as foreseen, over all models.
     pub steady: f64,
 }
@@ -307,26 +307,18 @@ impl Search<'_> {
         let price = |rival: &Rival| 0.5 * rival.numbers.len() as f64 * (1.0 + readings / self.readings).ln();
         let models: Vec<(f64, f64)> = self.rivals.iter().map(|r| (r.probability, price(r))).collect();
         let separation = separation(&responses.iter().collect::<Vec<_>>(), &models);
-        let narrowed: Vec<Narrowed> = self
-            .rivals
-            .iter()
-            .zip(&responses)
-            .map(|(rival, response)| {
-                let moves: Vec<Vec<f64>> = rival.directions.iter().map(|d| d.numbers.clone()).collect();
-                narrowed(response, &moves)
-            })
-            .collect();
+        let narrowed = narrowed(&responses[0], &self.rivals[0].directions);
         let steady = responses.iter().zip(&probabilities).map(|(r, p)| p * r.steady()).sum();
         let gain = match self.aim {
             Aim::Separate => {
                 let before: f64 = probabilities.iter().map(|p| p * (1.0 - p)).sum();
                 (before / separation.wrong.max(f64::MIN_POSITIVE)).ln()
             }
-            Aim::NarrowAll => narrowed[0].gain,
+            Aim::NarrowAll => narrowed.gain,
             Aim::Narrow(name) => {
                 let first = &self.rivals[0];
                 let k = first.numbers.iter().position(|(own, ..)| own == name).unwrap_or(0);
-                (first.std_error(k) / narrowed[0].std_errors[k]).ln()
+                (first.std_error(k) / narrowed.std_errors[k]).ln()
             }
         };
         let trial = if whole { trial.clone() } else { trial.first(samples) };

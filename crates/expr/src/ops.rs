@@ -176,6 +176,7 @@ unary_table! {
     Tan  "tan"  |x| x.tan();       |g, x, y| one_plus_square(g, y, Binary::Add); []; ODD; true 1 "\\tan(#1)" ["tan(#1)", "tan(#1)", "tan(#1)"] "tangent (radians)"
     Tanh "tanh" |x| x.tanh();      |g, x, y| one_plus_square(g, y, Binary::Sub); []; ODD; false 1 "\\tanh(#1)" ["math.tanh(#1)", "tanh(#1)", "tanh(#1)"] "hyperbolic tangent"
     Atan "atan" |x| x.atan();      |g, x, y| { let one = g.constant(1.0); let d = one_plus_square(g, x, Binary::Add); g.binary(Binary::Div, one, d) }; []; ODD; false 1 "\\arctan(#1)" ["math.atan(#1)", "atan(#1)", "atan(#1)"] "inverse tangent"
+    Floor "floor" |x| x.floor();   |g, x, y| g.constant(0.0); WHOLE; None; false 0 "\\lfloor #1\\rfloor" ["floor(#1)", "floor(#1)", "floor(#1)"] "largest whole number that is at most x"
 }
 
 binary_table! {
@@ -191,10 +192,19 @@ binary_table! {
     Dead "dead" 0 |a, b| dead(a, b); |g, a, b, y| outside(g, a, b),
         { let o = outside(g, a, b); let s = g.unary(Unary::Sgn, a); let p = g.binary(Binary::Mul, s, o); g.unary(Unary::Neg, p) };
         |a, b| if b < 0.0 { (a.abs() - b).min(a.abs()) } else { (a.abs() - b).abs() }; 1 "\\operatorname{dead}(#1, #2)" ["dead(#1, #2)", "dead(#1, #2)", "dead(#1, #2)"] "x outside +-g, less g; 0 inside"
+    Mod "mod" 0 |a, b| a - b * (a / b).floor(); |g, a, b, y| g.constant(1.0),
+        { let q = g.binary(Binary::Div, a, b); let n = g.unary(Unary::Floor, q); g.unary(Unary::Neg, n) };
+        |a, b| ((a / b - (a / b).round()) * b).abs(); 4 "\\operatorname{mod}(#1, #2)" ["mod(#1, #2)", "modulo(#1, #2)", "mod(#1, #2)"] "what is left of a above the largest multiple of b that is at most a: from 0 up to b"
+    Atan2 "atan2" 0 |a, b| a.atan2(b); |g, a, b, y| over_square(g, b, a), { let p = over_square(g, a, b); g.unary(Unary::Neg, p) };
+        |a, b| if b < 0.0 { a.abs() } else { a.hypot(b) }; 1 "\\operatorname{atan2}(#1, #2)" ["math.atan2(#1, #2)", "atan2(#1, #2)", "atan2(#1, #2)"] "angle of the point with the abscissa b and the ordinate a, from -pi to pi (radians)"
     Gate "gate" 0 |a, b| if b > 0.0 { a } else { 0.0 }; |g, a, b, y| { let one = g.constant(1.0); g.binary(Binary::Gate, one, b) },
         g.constant(0.0); |_, b| b.abs(); 0 "\\operatorname{gate}(#1, #2)" ["gate(#1, #2)", "gate(#1, #2)", "gate(#1, #2)"] "a where b > 0, else 0, whatever a is"
     Masked "masked" 0 |a, b| if a == 0.0 || b == 0.0 { 0.0 } else { a * b }; |g, a, b, y| b, a; |_, _| f64::INFINITY; 1 "\\operatorname{masked}(#1, #2)" ["masked(#1, #2)", "masked(#1, #2)", "masked(#1, #2)"] "product in which zero wins, even over infinity; in derivatives below a gate"
 }
+
+/// Whole numbers about zero: `floor` jumps at each.
+pub const WHOLE: [f64; 17] =
+    [-8.0, -7.0, -6.0, -5.0, -4.0, -3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0];
 
 /// Sign with `sgn(0) = 0`; NaN stays NaN.
 #[inline(always)]
@@ -231,6 +241,13 @@ fn one_plus_square(g: &mut Graph, x: Id, sign: Binary) -> Id {
     let one = g.constant(1.0);
     let square = g.binary(Binary::Mul, x, x);
     g.binary(sign, one, square)
+}
+
+/// `a/(a^2 + b^2)`.
+fn over_square(g: &mut Graph, a: Id, b: Id) -> Id {
+    let (a2, b2) = (g.binary(Binary::Mul, a, a), g.binary(Binary::Mul, b, b));
+    let sum = g.binary(Binary::Add, a2, b2);
+    g.binary(Binary::Div, a, sum)
 }
 
 /// `y/b` for `y = a/b`. For a number `a` it is `y^2/a`, because a division costs as much as ten products.

@@ -2,6 +2,7 @@
 
 use crate::{Binary, Graph, Id, Node, Unary};
 use std::collections::HashMap;
+use std::f64::consts::PI;
 
 /// The least and the largest value.
 type Range = (f64, f64);
@@ -47,7 +48,9 @@ fn of_function(op: Unary, (low, high): Range) -> Range {
         Unary::Abs if high <= 0.0 => (-high, -low),
         Unary::Abs => (0.0, high.max(-low)),
         Unary::Sin | Unary::Cos => (-1.0, 1.0),
-        Unary::Sgn | Unary::Step | Unary::Pos | Unary::Tanh | Unary::Atan => (value(low), value(high)),
+        Unary::Sgn | Unary::Step | Unary::Pos | Unary::Tanh | Unary::Atan | Unary::Floor => {
+            (value(low), value(high))
+        }
         Unary::Exp => (low.exp(), high.exp()),
         Unary::Ln if low >= 0.0 => (low.ln(), high.ln()),
         Unary::Sqrt if low >= 0.0 => (low.sqrt(), high.sqrt()),
@@ -73,6 +76,8 @@ fn of_operation(op: Binary, a: Range, b: Range, right: Option<f64>) -> Range {
         Binary::Min => (a.0.min(b.0), a.1.min(b.1)),
         Binary::Max => (a.0.max(b.0), a.1.max(b.1)),
         Binary::Gate => (a.0.min(0.0), a.1.max(0.0)),
+        Binary::Mod if b.0 >= 0.0 => (0.0, b.1),
+        Binary::Atan2 => (-PI, PI),
         // Towards zero by a clearance; a negative one leads away from it.
         Binary::Dead if b.0 >= 0.0 => (a.0.min(0.0), a.1.max(0.0)),
         _ => ALL,

@@ -261,7 +261,7 @@ fn every_function_is_found_by_its_name() {
         let arity = function(name).map(Function::arity);
         assert!(matches!(arity, Some(1 | 2)), "{name}");
     }
-    assert_eq!(function_names().count(), 12 + 3);
+    assert_eq!(function_names().count(), 13 + 5);
     for hidden in ["", "gate", "+", "neg"] {
         assert_eq!(function(hidden), None, "{hidden}");
     }

@@ -59,13 +59,14 @@ proptest! {
         steps in steps(any_step(true, plain_number()), 40),
         point in prop::array::uniform3(-4i8..=4),
     ) {
-        use Binary::{Div, Mul, Pow};
+        use Binary::{Atan2, Div, Mod, Mul, Pow};
         use Unary::{Abs, Neg, Pos, Sgn};
         let exact = |step: &Step| match *step {
             Step::Number(x) => Step::Number(x.trunc()),
             Step::Unary(Neg | Abs | Sgn | Pos, _) | Step::Symbol(_) => step.clone(),
             Step::Unary(_, a) => Step::Unary(Neg, a),
-            Step::Binary(Div | Pow, a, b) => Step::Binary(Mul, a, b),
+            // A quotient rounds, and an angle tells -0 from 0.
+            Step::Binary(Div | Pow | Mod | Atan2, a, b) => Step::Binary(Mul, a, b),
             Step::Binary(..) => step.clone(),
         };
         let steps: Vec<Step> = steps.iter().map(exact).collect();

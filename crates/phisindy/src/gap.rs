@@ -108,7 +108,8 @@ impl Gap {
     fn report(&self, seconds: f64, why: StopReason) -> GapReport<'_> {
         let stopped = self.stopped().then_some(why);
         let ending = Ending { seconds, stopped };
-        GapReport { input: self.loaded.input(), gap: &self.result, catalogue: self.laws.laws(), ending }
+        let (input, catalogue) = (self.loaded.input(), self.laws.laws());
+        GapReport { input, gap: &self.result, catalogue, planned: None, ending }
     }
 
     /// The equations of the model with the laws written into it, with their numbers, in LaTeX, a line for

@@ -42,6 +42,6 @@ pub use format::Format;
 pub use gap::GapReport;
 pub use html::HtmlReport;
 pub use input::{Ending, Input, Invocation, StopReason};
-pub use next::{NextReport, Predicted, QuantityShown};
+pub use next::{NextReport, Outcome as PlannedOutcome, Plan, Predicted, QuantityShown, model_name};
 pub use run::RunReport;
 pub use terminal::Look;

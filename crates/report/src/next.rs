@@ -2,7 +2,10 @@
 
 mod html;
 mod json;
+mod planned;
 mod text;
+
+pub use planned::{Outcome, Plan, model_name};
 
 use crate::folder::{DRIVE, Folder, MOTION};
 use crate::format::Format;
@@ -43,7 +46,9 @@ impl Predicted {
     pub fn of(response: &Response, columns: usize) -> Predicted {
         let column =
             |k: usize, of: &dyn Fn(usize) -> f64| (k..response.mean.len()).step_by(columns).map(of).collect();
-        let spread = |i: usize| response.spread.iter().map(|s| s[i].powi(2)).sum::<f64>().sqrt();
+        let spread = |i: usize| {
+            response.spread.iter().chain(&response.starts).map(|s| s[i].powi(2)).sum::<f64>().sqrt()
+        };
         let all = |of: &dyn Fn(usize) -> f64| (0..columns).map(|k| column(k, of)).collect();
         Predicted { mean: all(&|i| response.mean[i]), std_error: all(&spread) }
     }
@@ -144,7 +149,7 @@ impl NextReport {
     /// `Fc from ± 0.02 to ± 0.004 N`.
     fn narrowing(&self, run: &Run, number: usize) -> String {
         let (shown, before) = self.shown(number);
-        let after = HALF_WIDTH_95 * run.narrowed[0].std_errors[number];
+        let after = HALF_WIDTH_95 * run.narrowed.std_errors[number];
         format!(
             "{} from ± {} to ± {}",
             shown.name,
@@ -236,7 +241,7 @@ fn heading(q: &QuantityShown) -> String {
 }
 
 fn row(values: impl Iterator<Item = f64>) -> String {
-    values.map(|x| format!("{}", (x * 1e9).round() / 1e9)).collect::<Vec<_>>().join(",") + "\n"
+    values.map(|x| format!("{x:.8e}").parse().unwrap_or(x).to_string()).collect::<Vec<_>>().join(",") + "\n"
 }
 
 /// Three digits.

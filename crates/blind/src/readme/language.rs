@@ -1,12 +1,15 @@
 //! The operations of the expression language, from the table that defines them.
 
 use crate::markdown::markdown;
-use phisindy_expr::ops::{BINARY, UNARY, function_names};
+use phisindy_expr::ops::{BINARY, UNARY, WHOLE, function_names};
 
 /// A row for each operation: how it is written, what it is, where it or its slope jumps.
 pub(crate) fn table() -> String {
     let offered = |name: &str| function_names().any(|n| n == name);
-    let jumps = |kinks: &[f64]| kinks.iter().map(f64::to_string).collect::<Vec<_>>().join(", ");
+    let jumps = |kinks: &[f64]| match kinks == WHOLE {
+        true => "each whole number".to_owned(),
+        false => kinks.iter().map(f64::to_string).collect::<Vec<_>>().join(", "),
+    };
     let infix = BINARY.iter().filter(|row| row.precedence > 0);
     let infix = infix.map(|row| [format!("a {} b", row.name), row.about.to_owned(), String::new()]);
     let one = UNARY.iter().map(|row| {

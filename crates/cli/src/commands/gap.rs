@@ -22,6 +22,7 @@ pub(crate) fn gap(spec: &Path, without: &[String], options: &Options) -> Result<
         Some(out) => Some(Results::prepare(out, spec, options)?),
         None => None,
     };
+    let plan = options.plan()?;
     let loaded = match loaded(spec, options, Purpose::Gap, folder.as_ref()) {
         Ok(loaded) => loaded,
         Err(code) => return Ok(code),
@@ -63,7 +64,9 @@ pub(crate) fn gap(spec: &Path, without: &[String], options: &Options) -> Result<
         seconds: begin.elapsed().as_secs_f64(),
         stopped: found.interrupted().then(interrupt::ended),
     };
-    let report = GapReport { input: loaded.input(), gap: &found, catalogue: catalogue.laws(), ending };
+    let planned = plan.map(|plan| plan.beside_search(&found));
+    let (input, catalogue, planned) = (loaded.input(), catalogue.laws(), planned.as_ref());
+    let report = GapReport { input, gap: &found, catalogue, planned, ending };
     // At a terminal they stand in the result.
     if !options.quiet && options.look.is_none() {
         report.notes().for_each(|w| remark(&format!("note: {w}")));

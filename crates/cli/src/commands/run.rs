@@ -37,6 +37,7 @@ pub(crate) fn run(specs: &[PathBuf], options: &Options) -> Result<u8> {
 
 fn run_one(spec: &Path, folder: Option<&Results>, options: &Options, follows: bool) -> Result<u8> {
     let begin = Instant::now();
+    let plan = options.plan()?;
     let loaded = match loaded(spec, options, Purpose::Run, folder) {
         Ok(loaded) => loaded,
         Err(code) => return Ok(code),
@@ -67,7 +68,8 @@ fn run_one(spec: &Path, folder: Option<&Results>, options: &Options, follows: bo
         seconds: begin.elapsed().as_secs_f64(),
         stopped: found.interrupted().then(interrupt::ended),
     };
-    let report = RunReport::new(loaded.input(), &found, ending);
+    let mut report = RunReport::new(loaded.input(), &found, ending);
+    report.planned = plan.map(|plan| plan.beside_fit(&found.parameters));
     if !options.quiet {
         caution(&report, options);
     }

@@ -25,6 +25,14 @@ def larger(a, b):
     return a if a > b or a != a else b
 
 
+def floor(x):
+    return float(math.floor(x)) if math.isfinite(x) else x
+
+
+def mod(a, b):
+    return a - b*floor(div(a, b))
+
+
 def gate(a, b):
     return a if b > 0.0 else 0.0
 

@@ -142,7 +142,7 @@ pub fn dual_unary<D: num_dual::DualNum<Primitive = f64> + Copy>(op: Unary, x: D)
         Unary::Tan => x.tan(),
         Unary::Tanh => x.tanh(),
         Unary::Atan => x.atan(),
-        Unary::Step | Unary::Pos => return None,
+        Unary::Step | Unary::Pos | Unary::Floor => return None,
     })
 }
 
@@ -154,7 +154,10 @@ pub fn dual_binary<D: num_dual::DualNum<Primitive = f64> + Copy>(op: Binary, a: 
         Binary::Mul => a * b,
         Binary::Div => a / b,
         Binary::Pow => a.powd(b),
-        Binary::Min | Binary::Max | Binary::Dead | Binary::Gate | Binary::Masked => return None,
+        Binary::Atan2 => a.atan2(b),
+        Binary::Min | Binary::Max | Binary::Dead | Binary::Mod | Binary::Gate | Binary::Masked => {
+            return None;
+        }
     })
 }
 

@@ -14,9 +14,9 @@ use crate::options::Options;
 use crate::{Gap, Identified};
 use phisindy_design::{Aim, Limits, Noise, Rival, design};
 use phisindy_learn::NoiseModel;
-use phisindy_phys::spec::{ConstantSpec, Role};
+use phisindy_phys::spec::Role;
 use phisindy_phys::splice;
-use phisindy_report::{NextReport, Predicted, QuantityShown};
+use phisindy_report::{NextReport, Predicted, QuantityShown, model_name};
 use phisindy_signal::standard_deviation;
 use std::path::Path;
 
@@ -193,11 +193,8 @@ fn left(source: &Source, request: &Request, options: &Options<'_>) -> Result<Lef
 /// The final model of a search, and its rivals by their odds.
 fn models(source: &Source, found: &Gap) -> Vec<Model> {
     let steps = found.steps();
-    let laws: Vec<String> =
-        steps.iter().map(|s| format!("{} at {}", s.effect.entry.law.name, s.effect.place.at)).collect();
-    let own = if laws.is_empty() { "the model as it is".to_owned() } else { laws.join(" + ") };
-    let text = if laws.is_empty() { source.text.clone() } else { found.result.completed.clone() };
-    let mut all = vec![Model { name: own, weight: 1.0, text }];
+    let text = if steps.is_empty() { source.text.clone() } else { found.result.completed.clone() };
+    let mut all = vec![Model { name: model_name(steps), weight: 1.0, text }];
     for rival in steps.iter().flat_map(|step| &step.rivals) {
         let Some(text) = &rival.completed else { continue };
         if all.iter().all(|other| other.text != *text) {
@@ -217,16 +214,14 @@ fn models(source: &Source, found: &Gap) -> Vec<Model> {
 
 /// The model with each constant that can be set at either end of its range.
 fn settings(text: &str, limits: &Limits) -> Result<Vec<String>, Error> {
-    let spec = parsed(text)?;
     let mut all = Vec::new();
     for range in &limits.constants {
-        let own = spec.constants.iter().find(|(name, _)| name.value == range.name).map(|(_, c)| c);
-        let unit = own.and_then(ConstantSpec::unit).map(|unit| unit.value.clone());
-        let factor =
-            unit.as_deref().and_then(|u| phisindy_phys::unit::Unit::parse(u).ok()).map_or(1.0, |u| u.factor);
         for end in [range.within.0, range.within.1] {
-            let value = end / factor;
-            let written = unit.as_ref().map_or(format!("{value:?}"), |unit| format!("({value:?}, {unit:?})"));
+            let value = end / range.factor;
+            let written = match range.unit.as_str() {
+                "" => format!("{value:?}"),
+                unit => format!("({value:?}, {unit:?})"),
+            };
             all.push(splice::set_at(text, &["constants", &range.name], &written)?);
         }
     }
@@ -236,7 +231,9 @@ fn settings(text: &str, limits: &Limits) -> Result<Vec<String>, Error> {
 /// The same settings in words.
 fn set_words(limits: &Limits) -> impl Iterator<Item = String> {
     let of = |range: &phisindy_design::Range| {
-        [range.within.0, range.within.1].map(|end| format!("{} = {end}", range.name))
+        [range.within.0, range.within.1].map(|end| {
+            format!("{} = {} {}", range.name, end / range.factor, range.unit).trim_end().to_owned()
+        })
     };
     limits.constants.iter().flat_map(of)
 }

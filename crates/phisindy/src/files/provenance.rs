@@ -340,11 +340,12 @@ fn again(
     Ok(result.map_or(Value::Null, |(_, text)| timeless(&text)))
 }
 
-/// A result as JSON, without the time that it took and the version that made it.
+/// A result as JSON, without the time that it took, the plan that it stands beside, and the version that made it.
 fn timeless(text: &str) -> Value {
     let mut value: Value = serde_json::from_str(text).unwrap_or(Value::Null);
     if let Some(object) = value.as_object_mut() {
         object.remove("seconds");
+        object.remove("planned");
         object.remove("version");
     }
     value

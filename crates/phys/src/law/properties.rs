@@ -67,8 +67,12 @@ impl Law {
         let (Some(force), Some(x)) = (of.force, of.displacement) else { return false };
         let depends = |id: Id| of.graph.uses(&[id], &[x]);
         of.graph.reachable(&[force]).into_iter().any(|id| match of.graph.node(id) {
-            Node::Binary(Binary::Max | Binary::Min | Binary::Dead, a, b) => depends(a) || depends(b),
-            Node::Unary(Unary::Pos | Unary::Step | Unary::Abs | Unary::Sgn, a) => a != x && depends(a),
+            Node::Binary(Binary::Max | Binary::Min | Binary::Dead | Binary::Mod, a, b) => {
+                depends(a) || depends(b)
+            }
+            Node::Unary(Unary::Pos | Unary::Step | Unary::Abs | Unary::Sgn | Unary::Floor, a) => {
+                a != x && depends(a)
+            }
             _ => false,
         })
     }

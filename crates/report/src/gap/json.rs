@@ -27,6 +27,9 @@ struct Outcome<'a> {
     not_tried: Vec<NotTriedOut<'a>>,
     parameters: Vec<ParameterOut<'a>>,
     partial: Vec<StepOut<'a>>,
+    /// What became of a planned run.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    planned: Option<&'a serde_json::Value>,
     records: Vec<RecordOut<'a>>,
     repeatability: Vec<RepeatOut<'a>>,
     seconds: f64,
@@ -226,6 +229,7 @@ fn outcome<'a>(report: &GapReport<'a>) -> Outcome<'a> {
             .collect(),
         parameters: parameters(found),
         partial: found.partial.iter().map(|s| step(found, s)).collect(),
+        planned: report.planned.map(|planned| &planned.json),
         records: records(found),
         repeatability: repeatability(found),
         seconds: ending.seconds,

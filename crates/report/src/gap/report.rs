@@ -1,6 +1,7 @@
 //! The result of the gap workflow with what a report says beside it.
 
 use crate::input::{Ending, Input};
+use crate::next::Outcome as PlannedOutcome;
 use crate::seen::{Model, Seen};
 use phisindy_gap::{Gap, Warning};
 use phisindy_phys::LawEntry;
@@ -14,6 +15,8 @@ pub struct GapReport<'a> {
     pub gap: &'a Gap,
     /// The laws that were tried.
     pub catalogue: &'a [LawEntry],
+    /// What a run that was planned decided.
+    pub planned: Option<&'a PlannedOutcome>,
     /// How the work ended.
     pub ending: Ending,
 }

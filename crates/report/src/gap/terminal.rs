@@ -37,6 +37,9 @@ pub(crate) fn text(report: &GapReport<'_>, look: Look) -> String {
     let plot = plot(series(&report.seen(), found.located.first().map(|r| r.column.as_str())), look);
     out.extend((!plot.is_empty()).then(String::new));
     out.extend(plot);
+    if let Some(planned) = report.planned {
+        out.extend([String::new(), look.wrapped(&planned.sentence, 2)]);
+    }
     // A law that is ruled out stands among those that were tried.
     let warnings = report.notes().filter(|w| !matches!(w, phisindy_gap::Warning::Vetoed(_)));
     let warnings: Vec<String> =

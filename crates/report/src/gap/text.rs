@@ -84,6 +84,7 @@ pub(crate) fn text(report: &GapReport<'_>) -> String {
         out.push(format!("{} ({role}): NRMSE of {} {:.4} -> {:.4}", c.record, c.column, c.before, c.after));
     }
     out.extend(how.stopped_words().map(|stopped| format!("{stopped} before the end; so far:")));
+    out.extend(report.planned.map(|planned| planned.sentence.clone()));
     out.push(format!("{}: {}", found.status.name(), outcome(found)));
     out.push(format!("{:.1} s", how.seconds));
     out.join("\n") + "\n"

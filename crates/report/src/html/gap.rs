@@ -1,7 +1,9 @@
 //! The report of `gap`.
 
 use super::leaderboard::leaderboard;
-use super::page::{Banner, Captioned, Page, Tone, add_data_remarks, add_warnings, paragraph, worded};
+use super::page::{
+    Banner, Captioned, Page, Tone, add_data_remarks, add_warnings, paragraph, sentence, worded,
+};
 use super::table::{Cell, code, in_unit, parameters, table, text};
 use super::{force, hero, map, mathml, missing_force, motion, next, reproduction, residual, shrink};
 use crate::chart::{Sheet, digits};
@@ -16,7 +18,7 @@ use phisindy_phys::{Case, LawEntry};
 
 /// The page.
 pub(crate) fn page(report: &GapReport<'_>, invocation: &Invocation) -> Page {
-    let GapReport { input, gap: found, catalogue, ending } = *report;
+    let GapReport { input, gap: found, catalogue, ending, .. } = *report;
     let seen = report.seen();
     let mut page = Page::new(input, banner(found, ending));
     let balances: Vec<Option<Balance>> =
@@ -28,6 +30,10 @@ pub(crate) fn page(report: &GapReport<'_>, invocation: &Invocation) -> Page {
     }
     next::add(&mut page, &steps);
     first_screen(&mut page, found, &seen, &balances);
+    page.list(
+        "The planned run",
+        &report.planned.map(|p| sentence(&p.sentence)).into_iter().collect::<Vec<_>>(),
+    );
     page.section("All laws that were tried", leaderboard(found, catalogue));
     effects(&mut page, found, catalogue, &balances);
     // A law that is ruled out is told beside its step.

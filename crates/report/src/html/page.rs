@@ -231,7 +231,7 @@ pub(crate) fn worded(element_: Element, text: &str) -> Element {
 }
 
 /// The words as a sentence of their own. A name at the beginning stays as it is written.
-fn sentence(words: &str) -> String {
+pub(crate) fn sentence(words: &str) -> String {
     let named =
         words.split([' ', ':']).next().is_some_and(|first| first.contains(|c: char| !c.is_alphabetic()));
     let end = if words.ends_with(['.', '?', '!']) { "" } else { "." };

@@ -1,6 +1,6 @@
 //! The report of `run`.
 
-use super::page::{Banner, Page, Tone, add_data_remarks, add_warnings, paragraph};
+use super::page::{Banner, Page, Tone, add_data_remarks, add_warnings, paragraph, sentence};
 use super::table::{Cell, code, estimate, in_unit, parameters, table, text, unit};
 use super::{correlation, friction, hero, mathml, motion, next, reproduction, residual, selection};
 use crate::chart::{Sheet, digits};
@@ -22,6 +22,8 @@ pub(crate) fn page(report: &RunReport<'_>, invocation: &Invocation) -> Page {
         next::add(&mut page, &next::after_rejection(why, input.name));
     }
     first_screen(&mut page, report, &seen);
+    let planned = report.planned.iter().map(|planned| sentence(&planned.sentence)).collect::<Vec<_>>();
+    page.list("The planned run", &planned);
     add_warnings(&mut page, &report.warnings);
     page.section("Equation", equations(report));
     page.section("Coefficients", coefficients(report));

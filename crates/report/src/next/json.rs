@@ -42,7 +42,7 @@ fn of(report: &NextReport, run: &Run) -> Value {
     });
     let numbers = report.asked().map(|k| {
         let (shown, before) = report.shown(k);
-        let after = HALF_WIDTH_95 * run.narrowed[0].std_errors[k];
+        let after = HALF_WIDTH_95 * run.narrowed.std_errors[k];
         json!({ "name": shown.name, "unit": shown.unit, "half_width": before / shown.factor, "promised": after / shown.factor })
     });
     let right = report.rivals.iter().zip(&run.separation.right);
@@ -56,11 +56,10 @@ fn of(report: &NextReport, run: &Run) -> Value {
 }
 
 fn limits(report: &NextReport) -> Value {
-    let all = || report.columns.iter().chain(&report.inputs);
     let limits = &report.limits;
     let range = |range: &Range| {
-        let factor = all().find(|q| q.name == range.name).map_or(1.0, |q| q.factor);
-        json!({ "name": range.name, "within": [range.within.0 / factor, range.within.1 / factor], "stated": range.stated })
+        let within = [range.within.0, range.within.1].map(|x| x / range.factor);
+        json!({ "name": range.name, "unit": range.unit, "within": within, "stated": range.stated })
     };
     let ranges = limits.inputs.iter().chain(&limits.columns).map(|(_, r)| r).chain(&limits.constants);
     json!({

@@ -44,7 +44,7 @@ pub(super) fn lines(report: &NextReport) -> Vec<String> {
             (Aim::Separate, None) => row.extend(["0", "0"].map(str::to_owned)),
             (_, run) => row.extend(asked.iter().map(|&k| {
                 let (shown, now) = report.shown(k);
-                let width = run.map_or(now, |run| HALF_WIDTH_95 * run.narrowed[0].std_errors[k]);
+                let width = run.map_or(now, |run| HALF_WIDTH_95 * run.narrowed.std_errors[k]);
                 short(rounded(width / shown.factor))
             })),
         }
@@ -77,11 +77,8 @@ pub(super) fn lines(report: &NextReport) -> Vec<String> {
 fn within(report: &NextReport) -> String {
     let limits = &report.limits;
     let of = |range: &Range| {
-        let all = report.columns.iter().chain(&report.inputs);
-        let shown = all.clone().find(|q| q.name == range.name);
-        let (unit, factor) = shown.map_or(("", 1.0), |q| (q.unit.as_str(), q.factor));
-        let [low, high] = [range.within.0, range.within.1].map(|x| short(rounded(x / factor)));
-        format!("{} {low} to {high} {unit}", range.name).trim_end().to_owned()
+        let [low, high] = [range.within.0, range.within.1].map(|x| short(rounded(x / range.factor)));
+        format!("{} {low} to {high} {}", range.name, range.unit).trim_end().to_owned()
     };
     let all: Vec<&Range> = limits
         .inputs

@@ -33,6 +33,8 @@ struct Outcome<'a> {
     selection: Vec<PointOut>,
     warnings: Vec<&'a String>,
     doubts: &'a [String],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    planned: Option<&'a serde_json::Value>,
     stopped: bool,
     seconds: f64,
     version: &'a str,
@@ -209,6 +211,7 @@ pub(crate) fn line(report: &RunReport<'_>) -> String {
         selection: selection.collect(),
         warnings: report.notes.iter().chain(&report.warnings).collect(),
         doubts: report.input.doubts,
+        planned: report.planned.as_ref().map(|planned| &planned.json),
         stopped: found.interrupted(),
         seconds: report.ending.seconds,
         version: env!("CARGO_PKG_VERSION"),

@@ -5,6 +5,7 @@ use super::fixed::{FixedValue, fixed_values};
 use crate::equation::{Equation, equations};
 use crate::html::friction::{force_unit, rate};
 use crate::input::{Ending, Input};
+use crate::next::Outcome as PlannedOutcome;
 use crate::seen::{Model, Seen};
 use crate::table::short;
 use phisindy_learn::{Adapted, FoundTerm, Identified, RecordFit, Remainder};
@@ -25,6 +26,8 @@ pub struct RunReport<'a> {
     pub warnings: Vec<String>,
     /// How the data were processed before the identification.
     pub notes: Vec<String>,
+    /// What a run that was planned decided.
+    pub planned: Option<PlannedOutcome>,
     /// How the work ended.
     pub(crate) ending: Ending,
 }
@@ -46,7 +49,7 @@ impl<'a> RunReport<'a> {
             }
         }
         let fixed = fixed_values(input, found);
-        RunReport { input, identified: found, equations, fixed, warnings, notes, ending }
+        RunReport { input, identified: found, equations, fixed, warnings, notes, planned: None, ending }
     }
 
     /// The records with the identified model.

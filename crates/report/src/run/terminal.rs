@@ -67,6 +67,7 @@ pub(crate) fn text(report: &RunReport<'_>, look: Look) -> String {
     let plot = plot(series(&report.seen(), None), look);
     out.extend((!plot.is_empty()).then(String::new));
     out.extend(plot);
+    out.extend(report.planned.iter().map(|planned| look.wrapped(&planned.sentence, 2)));
     out.extend(warnings(&report.warnings, look));
     out.join("\n").trim_end().to_owned() + "\n"
 }

@@ -58,6 +58,7 @@ fn details(report: &RunReport<'_>) -> Vec<String> {
     let unseen = found.records.iter().filter(|r| r.role == Role::Validate);
     let unseen: Vec<&str> = unseen.map(|r| r.name.as_str()).collect();
     lines.extend(horizon::words(&found.horizon, &unseen));
+    lines.extend(report.planned.iter().map(|planned| planned.sentence.clone()));
     let mut section = |rows: Vec<Vec<String>>| {
         if rows.len() > 1 {
             lines.push(String::new());

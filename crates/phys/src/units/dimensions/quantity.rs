@@ -137,7 +137,14 @@ impl Rules<'_> {
             Unary::Neg | Unary::Abs | Unary::Pos => of,
             Unary::Sqrt => of.pow(0.5),
             Unary::Sgn | Unary::Step => Measure::Fixed(Form::none()),
-            Unary::Ln | Unary::Exp | Unary::Sin | Unary::Cos | Unary::Tan | Unary::Tanh | Unary::Atan => {
+            Unary::Ln
+            | Unary::Exp
+            | Unary::Sin
+            | Unary::Cos
+            | Unary::Tan
+            | Unary::Tanh
+            | Unary::Atan
+            | Unary::Floor => {
                 self.plain(of, |form| Conflict::Argument { op, span, form });
                 Measure::Fixed(Form::none())
             }
@@ -151,19 +158,28 @@ impl Rules<'_> {
             Binary::Div => a.times(&right.1.measure, -1.0),
             Binary::Pow => self.power(at, a, right.0, right.1),
             Binary::Gate => a,
-            Binary::Add | Binary::Sub | Binary::Min | Binary::Max | Binary::Dead => {
-                match (a, right.1.measure) {
-                    (Measure::Fixed(a), Measure::Fixed(b)) => {
-                        if self.unknowns.equate(&a, &b) {
-                            return Measure::Fixed(a);
-                        }
-                        self.conflicts.push(Conflict::Operands { op, left: (at, a), right: (right.0, b) });
-                        Measure::Loose(None)
-                    }
-                    (Measure::Fixed(form), _) | (_, Measure::Fixed(form)) => Measure::Fixed(form),
-                    (Measure::Loose(a), Measure::Loose(b)) => Measure::Loose(agreed(a, b)),
-                }
+            Binary::Atan2 => {
+                self.alike(op, (at, a), (right.0, right.1.measure));
+                Measure::Fixed(Form::none())
             }
+            Binary::Add | Binary::Sub | Binary::Min | Binary::Max | Binary::Dead | Binary::Mod => {
+                self.alike(op, (at, a), (right.0, right.1.measure))
+            }
+        }
+    }
+
+    /// What two operands of the same unit have.
+    fn alike(&mut self, op: Binary, (at, a): (Span, Measure), (right, b): (Span, Measure)) -> Measure {
+        match (a, b) {
+            (Measure::Fixed(a), Measure::Fixed(b)) => {
+                if self.unknowns.equate(&a, &b) {
+                    return Measure::Fixed(a);
+                }
+                self.conflicts.push(Conflict::Operands { op, left: (at, a), right: (right, b) });
+                Measure::Loose(None)
+            }
+            (Measure::Fixed(form), _) | (_, Measure::Fixed(form)) => Measure::Fixed(form),
+            (Measure::Loose(a), Measure::Loose(b)) => Measure::Loose(agreed(a, b)),
         }
     }
 
