@@ -152,3 +152,137 @@ fn an_answer_does_not_depend_on_the_coordinates() {
         assert!((level / FRICTION - 1.0).abs() < 0.005, "{level}");
     }
 }
+
+const BY_HAND: &str = r#"states: { "x": "m", "v": "m/s", "th": "rad", "w": "rad/s" },
+    known: { "x": "v", "th": "w",
+        "v": "(F - c*v - k*x + m*l*w^2*sin(th) + m*g*sin(th)*cos(th) + b*w*cos(th)/l)/(M + m*sin(th)^2)",
+        "w": "-g*sin(th)/l - b*w/(m*l^2) - cos(th)/l*(F - c*v - k*x + m*l*w^2*sin(th) + m*g*sin(th)*cos(th) + b*w*cos(th)/l)/(M + m*sin(th)^2)" },"#;
+
+/// Rates that were solved by hand: where a force along the rail goes is shown by the drive, or said by a matrix.
+#[test]
+fn a_force_moves_what_hangs_on_its_body_in_rates_by_hand_too() {
+    let folder = Scratch::new("mechanism_by_hand");
+    write(&folder, |&[x, _, th, _]| [x, th]);
+    let with_energy = spec(HANGING, r#""x": "a", "th": "b""#, "unknown: {},");
+    let (head, tail) = with_energy.split_once("energy: (").expect("energies");
+    let data = &tail[tail.find("unknown").expect("a field")..];
+    let shown = r#"inertia: { "v": "M + m*sin(th)^2" },"#;
+    let said = r#"inertia: { "v": { "v": "M + m", "w": "m*l*cos(th)" }, "w": "m*l^2" },"#;
+    for inertia in [shown, said] {
+        let text = format!("{head}{BY_HAND}{inertia}{data}");
+        let rig = folder.path("rig.ron");
+        std::fs::write(&rig, &text).expect("a file");
+        let out = folder.path("out");
+        let found = phisindy(&["gap", &rig, "--format", "json", "--quiet", "--out", &out, "--force"]);
+        let found: Value = serde_json::from_str(&found.out).unwrap_or_else(|_| panic!("{}", found.err));
+        assert_eq!(found["status"], "explained", "{inertia} {found}");
+        let step = &found["steps"][0];
+        assert_eq!((step["law"].as_str(), step["at"].as_str()), (Some("coulomb"), Some("v")));
+        let level = step["parameters"]["Fc"]["value"].as_f64().expect("a number");
+        assert!((level / FRICTION - 1.0).abs() < 0.01, "{inertia} {level}");
+        // The completed model says it in both rates, and is as good.
+        let completed = std::fs::read_to_string(format!("{out}/completed.ron")).expect("a spec");
+        let again = answer(&folder, "run", &completed);
+        let missed = again["records"][1]["nrmse"]["th"].as_f64().expect("a number");
+        assert!(missed < 0.01, "{inertia} {missed}: {again}");
+    }
+}
+
+/// Two chambers that a pump drives against each other: a leak between them is no force on a body.
+#[test]
+fn a_place_says_how_what_acts_there_enters_the_rates() {
+    let (stiffness, outlet, leak) = (1e13, 2e-12, 3e-12);
+    let flow = |t: f64| 2e-5 * (9.0 * t).cos() + 1.5e-5 * (31.0 * t + 0.4).cos();
+    let [mut p, mut q] = [0.0, 0.0];
+    let (mut text, h) = ("t,p1,p2,q\n".to_owned(), 1e-5);
+    for step in 0..200_000 {
+        let t = f64::from(step) * h;
+        if step % 100 == 0 {
+            let wrong = |k: f64| 2e3 * (k * f64::from(step)).sin();
+            let _ = writeln!(text, "{t},{},{},{}", p + wrong(12.9898), q + wrong(78.233), flow(t));
+        }
+        let over = leak * (p - q);
+        (p, q) = (
+            p + h * stiffness * (flow(t) - outlet * p - over),
+            q + h * stiffness * (-0.5 * flow(t) - outlet * q + over),
+        );
+    }
+    let folder = Scratch::new("mechanism_leak");
+    std::fs::write(folder.path("run.csv"), text).expect("a file");
+    let spec = r#"(constants: { "B": (1.0e13, "Pa/m^3"), "G": (2e-12, "m^3/s/Pa") }, states: { "p1": "Pa", "p2": "Pa" }, inputs: { "q": "m^3/s" },
+        known: { "p1": "B*(q - G*p1)", "p2": "B*(-0.5*q - G*p2)" }, unknown: {},
+        places: { "leak": (of: "p1 - p2", enters: { "p1": "-B", "p2": "B" }) },
+        data: [ Csv(path: "run.csv", time: "t", columns: { "p1": "p1", "p2": "p2", "q": "q" }) ])"#;
+    let found = answer(&folder, "gap", spec);
+    let step = &found["steps"][0];
+    assert_eq!((found["status"].as_str(), step["at"].as_str()), (Some("explained"), Some("leak")), "{found}");
+    let numbers = step["parameters"].as_object().expect("numbers");
+    assert!(
+        numbers.values().any(|n| (n["value"].as_f64().unwrap_or(0.0) / leak - 1.0).abs() < 0.02),
+        "{step}"
+    );
+    // What is no state, and what is no input, is told.
+    for (wrong, said) in [
+        (r#"enters: { "p3": "-B" }"#, "`p3` is no state"),
+        (r#"replaces: "p1""#, "`p1` is no input that this place is of"),
+        (r#"enter: { "p1": "-B" }"#, "enter"),
+    ] {
+        let text = spec.replace(r#"enters: { "p1": "-B", "p2": "B" }"#, wrong);
+        std::fs::write(folder.path("wrong.ron"), text).expect("a file");
+        let out = phisindy(&["check", &folder.path("wrong.ron")]);
+        assert!(out.code == 2 && out.err.contains(said), "{}", out.err);
+    }
+}
+
+/// A slider on a crank: the direction in which its friction acts turns with the crank.
+#[test]
+fn friction_acts_where_the_direction_turns_too() {
+    let [inertia, m, r, l, d, friction] = [0.05, 2.5, 0.1, 0.28, 0.1, 14.0];
+    let lever = |th: f64| {
+        let (s, c) = th.sin_cos();
+        r * s + r * r * s * c / (l * l - r * r * s * s).sqrt()
+    };
+    let torque = |t: f64| 1.2 + 1.5 * (2.3 * t).cos() + 0.9 * (5.1 * t + 0.7).cos();
+    let (mut th, mut w, h, mut seed) = (0.4, 0.0, 5e-6, 11_u64);
+    let mut text = "t,th,u\n".to_owned();
+    for step in 0..1_800_000 {
+        let t = f64::from(step) * h;
+        if step % 2000 == 0 {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            let wrong = 2e-3 * ((seed >> 11) as f64 / (1_u64 << 53) as f64 - 0.5);
+            let _ = writeln!(text, "{t},{},{}", th + wrong, torque(t));
+        }
+        let (j, turn) = (lever(th), (lever(th + 1e-6) - lever(th - 1e-6)) / 2e-6);
+        let mass = inertia + m * j * j;
+        let free = w + h * (torque(t) - d * w - m * j * turn * w * w) / mass;
+        // Friction takes what it can of the slider's speed.
+        let most = h * friction * j.abs() / mass;
+        w = free - free.clamp(-most, most);
+        th += h * w;
+    }
+    let folder = Scratch::new("mechanism_crank");
+    std::fs::write(folder.path("run.csv"), text).expect("a file");
+    let spec = format!(
+        r#"(constants: {{ "J": ({inertia:?}, "kg*m^2"), "m": ({m:?}, "kg"), "r": ({r:?}, "m"), "l": ({l:?}, "m"), "d": ({d:?}, "N*m*s") }},
+        inputs: {{ "u": "N*m" }}, states: {{}},
+        let: {{ "lever": "r*sin(th) + r^2*sin(th)*cos(th)/sqrt(l^2 - r^2*sin(th)^2)", "slide": "lever*w" }},
+        energy: (coordinates: {{ "th": ("w", "rad") }}, kinetic: "J*w^2/2 + m*slide^2/2", dissipation: "d*w^2/2", forces: {{ "u": "w" }}),
+        unknown: {{}}, places: {{ "slider": "slide" }},
+        data: [ Csv(path: "run.csv", time: "t", columns: {{ "th": "th", "u": "u" }}, window: (0.0, 6.0)),
+                Csv(path: "run.csv", time: "t", columns: {{ "th": "th", "u": "u" }}, window: (6.0, 9.0), role: Validate) ])"#
+    );
+    let rig = folder.path("rig.ron");
+    std::fs::write(&rig, spec).expect("a file");
+    let out = folder.path("out");
+    let found = phisindy(&["gap", &rig, "--format", "json", "--quiet", "--out", &out]);
+    let found: Value = serde_json::from_str(&found.out).unwrap_or_else(|_| panic!("{}", found.err));
+    let step = &found["steps"][0];
+    let place = (found["status"].as_str(), step["law"].as_str(), step["at"].as_str());
+    assert_eq!(place, (Some("explained"), Some("coulomb"), Some("slider")), "{found}");
+    let level = step["parameters"]["Fc"]["value"].as_f64().expect("a number");
+    assert!((level / friction - 1.0).abs() < 0.02, "{level}");
+    let completed = std::fs::read_to_string(format!("{out}/completed.ron")).expect("a spec");
+    let again = answer(&folder, "run", &completed);
+    let missed = again["records"][1]["nrmse"]["th"].as_f64().expect("a number");
+    assert!(missed < 0.01, "{missed}: {again}");
+}

@@ -11,7 +11,7 @@ pub enum Shape {
     Tone,
     /// Straight lines up and down.
     Triangle,
-    /// Levels by chance, two in a cycle.
+    /// Levels by chance, two in a cycle, with smooth ways between them: what jumps between two samples is not in a record.
     Steps,
     /// Two cycles of a sine, then rest, each time longer: for what depends on how long a contact rested.
     Bursts,
@@ -57,6 +57,8 @@ pub struct Waveform {
     pub middle: f64,
 }
 
+/// The part of a level in which it is reached.
+const TRANSITION: f64 = 0.4;
 /// How many sines a multisine has.
 const SINES: usize = 10;
 
@@ -76,7 +78,12 @@ impl Waveform {
         match self.shape {
             Shape::Tone => (TAU * cycles).sin(),
             Shape::Triangle => (TAU * cycles).sin().asin() * 2.0 / PI,
-            Shape::Steps => level((2.0 * cycles) as u64),
+            Shape::Steps => {
+                let (now, since) = ((2.0 * cycles) as u64, (2.0 * cycles).fract());
+                let from = now.checked_sub(1).map_or(0.0, level);
+                let part = (since / TRANSITION).min(1.0);
+                from + (level(now) - from) * part * part * (3.0 - 2.0 * part)
+            }
             Shape::Bursts => {
                 let (mut from, mut rest) = (0.0, 2.0);
                 while cycles >= from + 2.0 + rest {
@@ -235,8 +242,7 @@ mod tests {
             let values = waveform.values(0.01, 2000);
             let largest = values.iter().fold(0.0_f64, |m, x| m.max((x - 1.0).abs()));
             assert!(largest <= 2.0 + 1e-12 && largest > 1.6, "{shape:?} {largest}");
-            // But for steps, whose first level is a step.
-            assert!(shape == Shape::Steps || (values[0] - 1.0).abs() < 1e-12, "{shape:?}");
+            assert!((values[0] - 1.0).abs() < 1e-12, "{shape:?}");
             // The same run in half the time is its first part, but for a sweep.
             let half = waveform.values(0.01, 1000);
             let same = half.iter().zip(&values).all(|(a, b)| (a - b).abs() < 1e-12);

@@ -48,7 +48,7 @@ pub use changed_constants::CHANGED;
 pub use decisions::decisions;
 pub use formula::DISCOVERED;
 pub use model::{Applied, SpecTextError, TrialModel};
-pub use place::{Effect, EffectError, Place, Quantity, Site, places};
+pub use place::{Effect, EffectError, Entry, Place, Quantity, Site, places};
 pub use repeat::{Repeat, repeatability};
 pub use requested_formulas::{RequestedFormula, WithFormulas, requested_formulas, with_formulas};
 pub use requested_laws::{WrittenLaw, WrittenOut, requested_laws, written_out};

@@ -1,6 +1,7 @@
 //! The places where a law can act: on a body, between two bodies, between a body and an input, on a column,
 //! on all columns.
 
+mod coupling;
 mod effect;
 mod known_force;
 mod needs;
@@ -12,7 +13,7 @@ pub use needs::Needs;
 
 use phisindy_expr::{Graph, Id};
 use phisindy_phys::unit::{Dimension, Unit};
-use phisindy_phys::{Contact, Output, RecordPlan, System};
+use phisindy_phys::{Contact, NamedPlace, Output, RecordPlan, System};
 
 /// A place where a law can act.
 #[derive(Clone, Debug, PartialEq)]
@@ -51,6 +52,10 @@ pub enum Site {
         velocity: Quantity,
         /// States whose rates the force enters, with the part that they feel: -1 where the force is subtracted.
         acts: Vec<(usize, f64)>,
+        /// How the force enters at each of these states where that is no number; empty elsewhere.
+        enters: Vec<Entry>,
+        /// Units of what acts there and of what it depends on, where these are not those of a force on a body and its speed.
+        units: Option<[Dimension; 2]>,
         /// Outputs that the force enters, with sign: what a force cell under prescribed motion reads.
         shows: Vec<(usize, f64)>,
         /// The velocity state whose units the force takes; `None` where the motion is prescribed.
@@ -69,10 +74,24 @@ pub enum Site {
     },
 }
 
+/// How a force enters at a state.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Entry {
+    /// So much of it acts along the state: a direction that turns with the motion.
+    Force(Quantity),
+    /// It changes the rate of the state by so much, as the spec says.
+    Rate(Quantity),
+}
+
 impl Place {
     /// Whether both are the same place, perhaps of two systems with different nodes.
     pub fn is(&self, other: &Place) -> bool {
         self.at == other.at && std::mem::discriminant(&self.site) == std::mem::discriminant(&other.site)
+    }
+
+    /// Whether a force enters there by more than a number.
+    pub(crate) fn enters(&self) -> bool {
+        matches!(&self.site, Site::Force { enters, .. } if !enters.is_empty())
     }
 
     /// Whether a force acts between a body and what carries it: an input, or a belt.
@@ -117,6 +136,11 @@ impl Place {
         let (force, length, time) = (kg + newtons, m - kg, s + 2.0 * kg);
         // A force cell under prescribed motion: the law's own units.
         let Some(state) = state else { return unit.to_owned() };
+        if let Site::Force { units: Some([acting, of]), .. } = &self.site {
+            let parts = [acting.pow(force), of.pow(length), Dimension::SECOND.pow(time + length)];
+            let all = parts.into_iter().flatten().fold(Dimension::NONE, Dimension::mul);
+            return if all == Dimension::NONE { String::new() } else { all.to_string() };
+        }
         let v = &system.states[*state];
         let x = system.states.iter().find(|x| x.velocity == Some(*state));
         let x_unit = x.map_or("", |x| x.unit.as_str());
@@ -163,10 +187,19 @@ pub(crate) fn entered<R: Rates>(
     rates: &mut R,
 ) -> Vec<Entered<R::Rate>> {
     // A force on a place is subtracted where the speed of the state adds to that of the place.
-    let mut all: Vec<Entered<R::Rate>> =
+    let direct =
         acts.iter().map(|&act| Entered { state: act.0, part: -act.1, rate: rates.unit(act) }).collect();
-    let direct: Vec<R::Rate> = all.iter().map(|e| e.rate).collect();
-    for (&(state, _), rate) in acts.iter().zip(direct) {
+    with_followers(system, direct, rates)
+}
+
+/// The same with what follows from these rates.
+fn with_followers<R: Rates>(
+    system: &System,
+    mut all: Vec<Entered<R::Rate>>,
+    rates: &mut R,
+) -> Vec<Entered<R::Rate>> {
+    let direct: Vec<(usize, R::Rate)> = all.iter().map(|e| (e.state, e.rate)).collect();
+    for (state, rate) in direct {
         for (j, &(_, other, _)) in system.coupling.iter().enumerate().filter(|(_, (of, ..))| *of == state) {
             let more = rates.following(j, rate);
             match all.iter_mut().find(|e| e.state == other) {
@@ -175,6 +208,29 @@ pub(crate) fn entered<R: Rates>(
             }
         }
     }
+    all
+}
+
+/// What a unit force at a place does, as nodes of a graph.
+pub(crate) fn entered_nodes(system: &System, graph: &mut Graph, site: &Site) -> Vec<Entered<Id>> {
+    let Site::Force { acts, enters, .. } = site else { return vec![] };
+    let mut nodes = Nodes { system, graph };
+    if enters.is_empty() {
+        return entered(system, acts, &mut nodes);
+    }
+    let (mut by_force, mut by_rate) = (vec![], vec![]);
+    for (&(state, part), entry) in acts.iter().zip(enters) {
+        match entry {
+            Entry::Force(of) => {
+                let unit = nodes.unit((state, 1.0));
+                let rate = nodes.graph.mul(of.node, unit);
+                by_force.push(Entered { state, part: -part, rate });
+            }
+            Entry::Rate(of) => by_rate.push(Entered { state, part: -part, rate: of.node }),
+        }
+    }
+    let mut all = with_followers(system, by_force, &mut nodes);
+    all.extend(by_rate);
     all
 }
 
@@ -218,6 +274,11 @@ impl Rates for Nodes<'_> {
 /// assert_eq!(all.iter().map(|place| place.at.as_str()).collect::<Vec<_>>(), ["v1", "v2", "v1-v2", "x1"]);
 /// ```
 pub fn places(system: &mut System, plans: &[RecordPlan]) -> Vec<Place> {
+    if system.coupling.is_empty() {
+        let mut graph = std::mem::take(&mut system.graph);
+        system.coupling = coupling::shown_by_inputs(system, &mut graph);
+        system.graph = graph;
+    }
     let states = &system.states;
     let bodies: Vec<usize> =
         (0..states.len()).filter(|&k| states[k].velocity.is_none() && !states[k].of_sensor).collect();
@@ -226,9 +287,14 @@ pub fn places(system: &mut System, plans: &[RecordPlan]) -> Vec<Place> {
     all.extend(against_inputs(system, plans, &bodies));
     let named = directions(system, &bodies, &all);
     let first = system.places.len();
-    let of_contacts = |p: &Place| system.places.iter().take(first).all(|(name, _)| *name != p.at);
+    let of_contacts = |p: &Place| system.places.iter().take(first).all(|own| own.name != p.at);
     let (later, mut at_first): (Vec<Place>, Vec<Place>) = named.into_iter().partition(of_contacts);
     // What the user names is looked at first.
+    let replaced = |p: &Place| {
+        system.places.iter().any(|own| own.replaces.is_some_and(|u| system.inputs[u].name == p.at))
+    };
+    let (inputs, others) = recorded(system, plans).into_iter().partition::<Vec<Place>, _>(replaced);
+    at_first.extend(inputs);
     at_first.append(&mut all);
     all = at_first;
     all.extend(later);
@@ -244,19 +310,20 @@ pub fn places(system: &mut System, plans: &[RecordPlan]) -> Vec<Place> {
     if measured.len() > 1 {
         all.push(Place { at: "motion".into(), site: Site::Sensor(measured) });
     }
-    all.extend(recorded(system, plans));
+    all.extend(others);
     all
 }
 
 /// The site of a force on bodies, with the velocity of body `state`.
 fn force(displacement: Option<Quantity>, velocity: Quantity, acts: Vec<(usize, f64)>, state: usize) -> Site {
-    Site::Force { displacement, velocity, acts, shows: vec![], state: Some(state), on_base: false }
+    let (enters, units, shows) = (vec![], None, vec![]);
+    Site::Force { displacement, velocity, acts, enters, units, shows, state: Some(state), on_base: false }
 }
 
 /// The site of a force between body `state` and what carries it.
 fn on_base(displacement: Option<Quantity>, velocity: Quantity, state: usize) -> Site {
-    let (acts, shows) = (vec![(state, -1.0)], vec![]);
-    Site::Force { displacement, velocity, acts, shows, state: Some(state), on_base: true }
+    let (acts, enters, units, shows) = (vec![(state, -1.0)], vec![], None, vec![]);
+    Site::Force { displacement, velocity, acts, enters, units, shows, state: Some(state), on_base: true }
 }
 
 /// The displacement whose rate is a velocity.
@@ -366,6 +433,8 @@ fn prescribed(system: &System, plans: &[RecordPlan]) -> Vec<Place> {
                     displacement: Some(plain(u)),
                     velocity: plain(du),
                     acts: vec![],
+                    enters: vec![],
+                    units: None,
                     shows,
                     state: None,
                     on_base: false,
@@ -385,10 +454,12 @@ fn difference(system: &mut System, a: &Quantity, b: &Quantity) -> Quantity {
 /// bodies with numbers, or one of a body against what carries it. `others` are places that are known already.
 fn directions(system: &mut System, bodies: &[usize], others: &[Place]) -> Vec<Place> {
     let nodes: Vec<Id> = system.states.iter().map(|s| s.node).collect();
-    let places = system.places.clone();
+    let (by_speed, by_rate): (Vec<NamedPlace>, Vec<NamedPlace>) =
+        system.places.iter().filter(|p| p.replaces.is_none()).cloned().partition(|p| p.enters.is_empty());
+    let places = by_speed.into_iter().map(|p| (p.name, p.of));
     let contacts = system.contacts.iter().map(|c| (c.text.replace(' ', ""), c.clone()));
-    let listed: Vec<(String, Contact)> = places.into_iter().chain(contacts).collect();
-    let mut all: Vec<Place> = Vec::new();
+    let listed: Vec<(String, Contact)> = places.chain(contacts).collect();
+    let mut all: Vec<Place> = by_rate.iter().map(|place| by_its_rates(system, place, &nodes)).collect();
     for (at, contact) in listed {
         let minus = system.graph.neg(contact.node);
         let same = |p: &Place| match &p.site {
@@ -402,10 +473,14 @@ fn directions(system: &mut System, bodies: &[usize], others: &[Place]) -> Vec<Pl
             .map(|(k, &slope)| Some((k, system.graph.value(slope)?)))
             .filter(|part| part.is_none_or(|(_, slope)| slope != 0.0))
             .collect();
-        let Some(mut parts) = parts.filter(|parts| parts.iter().all(|(k, _)| bodies.contains(k))) else {
+        if others.iter().chain(&all).any(same) {
+            continue;
+        }
+        let Some(mut parts) = parts else {
+            all.extend(turning(system, at, &contact, &slopes, bodies));
             continue;
         };
-        if others.iter().chain(&all).any(same) {
+        if !parts.iter().all(|(k, _)| bodies.contains(k)) {
             continue;
         }
         // The units of the place are those of a body that moves as it does.
@@ -424,6 +499,73 @@ fn directions(system: &mut System, bodies: &[usize], others: &[Place]) -> Vec<Pl
         all.push(Place { at, site });
     }
     all
+}
+
+/// The unit of a state, or of its rate.
+fn rate_of(system: &System, state: usize, times: i32) -> Dimension {
+    let own = Unit::parse(&system.states[state].unit).map_or(Dimension::NONE, |u| u.dimension);
+    (0..times).fold(own, |of, _| of.div(Dimension::SECOND))
+}
+
+/// A place whose direction turns with the motion: a force along the speed `J v` acts as `J'` times it.
+fn turning(
+    system: &mut System,
+    at: String,
+    contact: &Contact,
+    slopes: &[Id],
+    bodies: &[usize],
+) -> Option<Place> {
+    let own: Vec<usize> =
+        bodies.iter().copied().filter(|&v| system.graph.value(slopes[v]) != Some(0.0)).collect();
+    let moves: Vec<Id> = own.iter().map(|&v| slopes[v]).collect();
+    let speeds: Vec<Id> = bodies.iter().map(|&v| system.states[v].node).collect();
+    if own.is_empty() || system.graph.uses(&moves, &speeds) {
+        return None;
+    }
+    let back = |system: &mut System, slope: Id| {
+        let node = system.graph.neg(slope);
+        Entry::Force(Quantity { text: format!("({})", system.graph.text(node, &system.names)), node })
+    };
+    let enters = own.iter().map(|&v| back(system, slopes[v])).collect();
+    // The power of a body's inertia at its speed is that of the force along this one.
+    let speed = rate_of(system, own[0], 0);
+    let power = Dimension::NEWTON.mul(Dimension::METRE).div(Dimension::SECOND);
+    let along_state = match system.inertia[own[0]] {
+        Some(_) => Some(power),
+        None => speed.pow(2.0).map(|square| square.div(Dimension::SECOND)),
+    };
+    let units = contact.unit.zip(along_state).map(|(of, power)| [power.div(of), of]);
+    let site = Site::Force {
+        displacement: None,
+        velocity: Quantity { text: format!("({})", contact.text), node: contact.node },
+        acts: own.iter().map(|&v| (v, -1.0)).collect(),
+        enters,
+        units,
+        shows: vec![],
+        state: Some(own[0]),
+        on_base: false,
+    };
+    Some(Place { at, site })
+}
+
+/// A place whose force enters rates as the spec says.
+fn by_its_rates(system: &mut System, place: &NamedPlace, nodes: &[Id]) -> Place {
+    let slopes = system.graph.gradient(place.of.node, nodes);
+    let part = |k: usize| system.graph.value(slopes[k]).unwrap_or(0.0);
+    let acts = place.enters.iter().map(|&(state, _)| (state, -part(state))).collect();
+    let quantity = |of: &Contact| Quantity { text: format!("({})", of.text), node: of.node };
+    let acting = place.enters.first().and_then(|(state, by)| Some(rate_of(system, *state, 1).div(by.unit?)));
+    let site = Site::Force {
+        displacement: None,
+        velocity: quantity(&place.of),
+        acts,
+        enters: place.enters.iter().map(|(_, rate)| Entry::Rate(quantity(rate))).collect(),
+        units: acting.zip(place.of.unit).map(|(acting, of)| [acting, of]),
+        shows: vec![],
+        state: place.enters.first().map(|(state, _)| *state),
+        on_base: false,
+    };
+    Place { at: place.name.clone(), site }
 }
 
 /// The displacement along a direction, if every body in it has one.

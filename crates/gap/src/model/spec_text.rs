@@ -2,8 +2,8 @@
 //! comments remain.
 
 use super::trial_model::{Applied, TrialModel};
-use crate::place::{Quantity, Site};
-use phisindy_expr::rename;
+use crate::place::{Entry, Quantity, Site};
+use phisindy_expr::{Id, rename};
 use phisindy_phys::unit::Unit;
 use phisindy_phys::{INPUT, LawRole, splice};
 use phisindy_signal::Interpolation;
@@ -192,24 +192,47 @@ fn force(
     applied: &Applied,
     parts: &mut Parts,
 ) -> Result<(), SpecTextError> {
-    let Site::Force { acts, shows, .. } = &applied.effect.place.site else { return Ok(()) };
+    let Site::Force { acts, enters, shows, .. } = &applied.effect.place.site else { return Ok(()) };
     internal(text, model, applied, parts)?;
     let force = force_text(applied).unwrap_or_default();
     let sign = |sign: f64| if sign < 0.0 { '-' } else { '+' };
     let size = |way: f64| if way.abs() == 1.0 { String::new() } else { format!("{:?}*", way.abs()) };
-    for &(state, way) in acts {
+    let mut add = |text: &mut Text, state: usize, more: &str| {
         let name = &model.system.states[state].name;
+        let Some((_, rate)) = parts.rates.iter_mut().find(|(n, _)| n == name) else { return Ok(()) };
+        *rate = format!("{rate} {more}");
+        text.set(&format!("known.{name}"), &format!("\"{rate}\""))
+    };
+    let written = |node: Id| model.system.graph.text(node, &model.system.names);
+    for (k, &(state, way)) in acts.iter().enumerate() {
+        let name = &model.system.states[state].name;
+        let (way, by) = match enters.get(k) {
+            Some(Entry::Rate(by)) => {
+                add(text, state, &format!("+ {}*({force})", by.text))?;
+                continue;
+            }
+            Some(Entry::Force(by)) => (1.0, format!("{}*", by.text)),
+            None => (way, size(way)),
+        };
         if model.given.spec.is_moved(name) {
             let minus = if way < 0.0 { "-" } else { "" };
-            let signed = format!("{minus}{}({force})", size(way));
+            let signed = format!("{minus}{by}({force})");
             text.set(&format!("energy.forces.\"{signed}\""), &format!("\"{name}\""))?;
             continue;
         }
-        let inertia = parts.inertia.iter().find(|(n, _)| n == name).map(|(_, m)| m);
+        let follows: Vec<&(usize, usize, Id)> =
+            model.system.coupling.iter().filter(|(of, ..)| *of == state).collect();
+        let stated = parts.inertia.iter().find(|(n, _)| n == name).map(|(_, m)| m.clone());
+        let inertia = match (model.given.spec.between.is_empty(), model.system.inertia[state]) {
+            (false, Some(felt)) => Some(written(felt)),
+            _ => stated,
+        };
         let over = inertia.map_or(String::new(), |m| format!("/({m})"));
-        let Some((_, rate)) = parts.rates.iter_mut().find(|(n, _)| n == name) else { continue };
-        *rate = format!("{rate} {} {}({force}){over}", sign(way), size(way));
-        text.set(&format!("known.{name}"), &format!("\"{rate}\""))?;
+        let share = format!("{by}({force}){over}");
+        add(text, state, &format!("{} {share}", sign(way)))?;
+        for &&(_, other, ratio) in &follows {
+            add(text, other, &format!("{} ({})*{share}", sign(way), written(ratio)))?;
+        }
     }
     for &(output, way) in shows {
         let name = &model.system.outputs[output].name;

@@ -1,6 +1,6 @@
 //! The model of a spec with effects added to its graph, and the records as that system sees them.
 
-use crate::place::{Effect, EffectError, Place, Quantity, Site, fits, places};
+use crate::place::{Effect, EffectError, Entry, Place, Quantity, Site, fits, places};
 use phisindy_expr::Id;
 use phisindy_phys::spec::{ConstantSpec, DataSpec, Movable, Number, Role, Spec};
 use phisindy_phys::unit::Unit;
@@ -165,7 +165,7 @@ impl TrialModel {
                 out.set_input_property(&applied, inputs)?;
             }
             Site::Constant { .. } => {}
-            Site::Force { acts, shows, velocity, .. } => {
+            Site::Force { acts, enters, shows, velocity, .. } => {
                 applied.internal = out.add_internal_states(effect, &mut taken);
                 let system = &mut out.system;
                 let numbers: Vec<_> = applied.parameters.iter().map(|&k| system.parameters[k].node).collect();
@@ -177,7 +177,15 @@ impl TrialModel {
                 let bodies = effect.inertias(system, &numbers);
                 let brought: Vec<Place> =
                     bodies.into_iter().filter_map(|(j, m)| body(system, effect, first, j, m)).collect();
-                for &(state, sign) in acts {
+                for (&(state, _), entry) in acts.iter().zip(enters) {
+                    let (Entry::Force(of) | Entry::Rate(of)) = entry;
+                    let share = system.graph.mul(of.node, force);
+                    match entry {
+                        Entry::Force(_) => system.add_force(state, share),
+                        Entry::Rate(_) => system.known[state] = system.graph.add(system.known[state], share),
+                    }
+                }
+                for &(state, sign) in acts.iter().filter(|_| enters.is_empty()) {
                     let part = system.graph.constant(sign);
                     let signed = system.graph.mul(part, force);
                     system.add_force(state, signed);
@@ -205,7 +213,7 @@ impl TrialModel {
                     let minus = system.graph.neg(velocity.node);
                     let own = |c: &Contact| c.node == velocity.node || c.node == minus;
                     if !system.contacts.iter().any(own) {
-                        system.contacts.push(Contact { text: at.clone(), node: velocity.node });
+                        system.contacts.push(Contact { text: at.clone(), node: velocity.node, unit: None });
                     }
                 }
             }
@@ -461,7 +469,10 @@ impl TrialModel {
 /// The place between where an effect acts and the body that it brought: internal state `j` of it is the body's speed, and
 /// `inertia` its mass.
 fn body(system: &mut System, effect: &Effect, first: usize, j: usize, inertia: Id) -> Option<Place> {
-    let Site::Force { velocity, acts, state, .. } = &effect.place.site else { return None };
+    let Site::Force { velocity, acts, enters, state, .. } = &effect.place.site else { return None };
+    if !enters.is_empty() {
+        return None;
+    }
     let own = first + j;
     system.inertia[own] = Some(inertia);
     let speed = system.graph.sub(velocity.node, system.states[own].node);
@@ -475,6 +486,8 @@ fn body(system: &mut System, effect: &Effect, first: usize, j: usize, inertia: I
             displacement,
             velocity: Quantity { text: format!("({name})"), node: speed },
             acts: acts.iter().copied().chain([(own, 1.0)]).collect(),
+            enters: vec![],
+            units: None,
             shows: vec![],
             state: *state,
             on_base: false,

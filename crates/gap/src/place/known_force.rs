@@ -9,6 +9,9 @@ use phisindy_phys::System;
 /// already).
 pub(crate) fn known_forces(system: &System, place: &Place) -> Vec<String> {
     let Site::Force { acts, .. } = &place.site else { return vec![] };
+    if place.enters() {
+        return vec![];
+    }
     let mut system = system.clone();
     let displacements: Vec<Id> =
         system.states.iter().filter(|s| s.velocity.is_some()).map(|s| s.node).collect();

@@ -8,7 +8,7 @@ use super::trial::holding_rates;
 use crate::decisions::FORMULA_ROWS;
 use crate::evaluate::evaluated;
 use crate::model::TrialModel;
-use crate::place::{Nodes, Place, Site, entered};
+use crate::place::{Place, Site, entered_nodes};
 use phisindy_expr::{Tape, wide};
 use phisindy_learn::Calibration;
 use phisindy_phys::System;
@@ -140,10 +140,10 @@ impl PartialRegression {
 
     /// The motion at a place.
     pub(crate) fn kinematics(&self, system: &System, place: &Place) -> Option<Kinematics> {
-        let Site::Force { displacement, velocity, acts, shows, .. } = &place.site else { return None };
+        let Site::Force { displacement, velocity, shows, .. } = &place.site else { return None };
         let mut graph = system.graph.clone();
         let mut roots = vec![velocity.node];
-        let entered = entered(system, acts, &mut Nodes { system, graph: &mut graph });
+        let entered = entered_nodes(system, &mut graph, &place.site);
         roots.extend(entered.iter().map(|e| e.rate));
         roots.extend(displacement.as_ref().map(|d| d.node));
         let tape = Tape::compile(&graph, &system.arguments(), &roots).ok()?;

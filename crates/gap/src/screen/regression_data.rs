@@ -131,7 +131,7 @@ impl Base {
             let least = ((SHORT_REST * motion.period / (span / samples as f64)) as usize).clamp(5, samples);
             let rests = resting(&speed, rest_threshold(&speed), least);
             let own = system.contacts.iter().any(|c| c.node == velocity.node && system.rubs(c));
-            if own {
+            if own && !place.enters() {
                 let numbers = &values[n + n * n + n * self.parameters..];
                 let at = |sample: usize| entered(system, acts, &mut AtSample { numbers, n, sample });
                 balance(&mut rates, n, &rests, &at);

@@ -8,7 +8,7 @@ use super::grid::{between, geometric, grids};
 use super::regressors::{Axis, Regressors};
 use crate::decisions::{GRID_AXIS, GRID_GAPS, GRID_VALUES};
 use crate::motion::Motion;
-use crate::place::{Effect, Nodes, Place, Site, entered};
+use crate::place::{Effect, Place, Site, entered_nodes};
 use crate::whiteness::mean_step;
 use phisindy_expr::{Id, Tape};
 use phisindy_phys::System;
@@ -268,11 +268,11 @@ struct Program {
 
 impl Program {
     fn new(effect: &Effect, regressors: &Regressors, system: &System) -> Option<Program> {
-        let Site::Force { acts, shows, .. } = &effect.place.site else { return None };
+        let Site::Force { shows, .. } = &effect.place.site else { return None };
         let mut graph = regressors.graph.clone();
         let one = graph.constant(1.0);
         let mut outputs = Vec::new();
-        let entered = entered(system, acts, &mut Nodes { system, graph: &mut graph });
+        let entered = entered_nodes(system, &mut graph, &effect.place.site);
         for &column in regressors.columns.iter().chain([&one]) {
             outputs.extend(entered.iter().map(|e| graph.mul(column, e.rate)));
             for &(_, sign) in shows {

@@ -412,6 +412,7 @@ impl Written {
             energy: None,
             known: self.internal.iter().map(|(name, _, rate)| (name.clone(), rate.clone())).collect(),
             inertia: vec![],
+            between: vec![],
             unknown: vec![],
             contacts: vec![],
             places: vec![],

@@ -109,8 +109,17 @@ fn checked(
     if measured && !checker.diagnostics.iter().any(Diagnostic::is_error) {
         match dimensions(spec, source) {
             Ok(units) => {
-                for (term, unit) in system.terms.iter_mut().zip(units) {
+                for (term, unit) in system.terms.iter_mut().zip(units.coefficients) {
                     (term.unit, term.force, term.energy) = (unit.coefficient, unit.force, unit.energy);
+                }
+                system
+                    .contacts
+                    .iter_mut()
+                    .zip(units.contacts)
+                    .for_each(|(contact, unit)| contact.unit = unit);
+                for (place, (of, enters)) in system.places.iter_mut().zip(units.places) {
+                    place.of.unit = of;
+                    place.enters.iter_mut().zip(enters).for_each(|((_, by), unit)| by.unit = unit);
                 }
             }
             Err(mut mistakes) => {

@@ -112,6 +112,21 @@ pub struct Contact {
     pub text: String,
     /// Its node.
     pub node: Id,
+    /// Its unit (SI), as far as the spec says.
+    pub unit: Option<Dimension>,
+}
+
+/// A place that the spec names.
+#[derive(Clone, Debug)]
+pub struct NamedPlace {
+    /// What it is called.
+    pub name: String,
+    /// The speed along which a force acts there, or the signal that it depends on.
+    pub of: Contact,
+    /// States whose rates a unit force changes by so much; empty where that follows from the speed.
+    pub enters: Vec<(usize, Contact)>,
+    /// The input in whose place something may act, and no force.
+    pub replaces: Option<usize>,
 }
 
 /// A checked system.
@@ -154,8 +169,8 @@ pub struct System {
     pub constants: Vec<(String, f64)>,
     /// In the order of the spec.
     pub contacts: Vec<Contact>,
-    /// Names of places, and the speeds along which forces act there.
-    pub places: Vec<(String, Contact)>,
+    /// In the order of the spec.
+    pub places: Vec<NamedPlace>,
 }
 
 impl System {

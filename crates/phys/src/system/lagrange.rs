@@ -83,11 +83,14 @@ impl Energies {
         }
         let factored = Factored::new(graph, &mass)?;
         let rates = factored.solved(graph, &force);
-        let (zero, one) = (graph.constant(0.0), graph.constant(1.0));
-        let unit = |k: usize| (0..n).map(|i| if i == k { one } else { zero }).collect::<Vec<Id>>();
-        let mobility = (0..n).map(|k| factored.solved(graph, &unit(k))).collect();
+        let mobility = factored.inverse(graph);
         Ok(Equations { rates, momenta: balances, mobility, pivots: factored.pivots })
     }
+}
+
+/// The inverse of a mass matrix, by rows.
+pub(crate) fn mobility(graph: &mut Graph, mass: &[Vec<Id>]) -> Result<Vec<Vec<Id>>, NoEquations> {
+    Ok(Factored::new(graph, mass)?.inverse(graph))
 }
 
 /// `M = L D L'`: the pivots `D`, and the rows of `L` below its diagonal of ones.
@@ -123,6 +126,14 @@ impl Factored {
             all.lower.push(row);
         }
         Ok(all)
+    }
+
+    /// `M^-1`, by rows.
+    fn inverse(&self, graph: &mut Graph) -> Vec<Vec<Id>> {
+        let n = self.pivots.len();
+        let (zero, one) = (graph.constant(0.0), graph.constant(1.0));
+        let unit = |k: usize| (0..n).map(|i| if i == k { one } else { zero }).collect::<Vec<Id>>();
+        (0..n).map(|k| self.solved(graph, &unit(k))).collect()
     }
 
     /// `M^-1 b`.

@@ -59,12 +59,14 @@ pub struct Spec {
     pub known: Vec<(Text, Text)>,
     /// What turns a force into the rate of a state; 1 where nothing is given.
     pub inertia: Vec<(Text, Text)>,
+    /// The inertia between two states, where it is a matrix: the entries beside its diagonal.
+    pub between: Vec<(Text, Text, Text)>,
     /// The unknown part of a state's rate.
     pub unknown: Vec<(Text, UnknownSpec)>,
     /// Velocities that can stick.
     pub contacts: Vec<Text>,
-    /// Names of places where a force may act, each with the speed along which it acts.
-    pub places: Vec<(Text, Text)>,
+    /// Names of places where a force may act.
+    pub places: Vec<(Text, PlaceSpec)>,
     /// What the rig can do and may do, for the design of a next run.
     pub limits: Option<LimitsSpec>,
     /// The records: at least one, but in a spec of [`read_without_data`].
@@ -78,6 +80,17 @@ impl Spec {
     pub fn is_moved(&self, state: &str) -> bool {
         self.energy.iter().flat_map(|e| &e.coordinates).any(|(_, (speed, _))| speed.value == state)
     }
+}
+
+/// A place where a force may act.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlaceSpec {
+    /// The speed along which it acts; or with `enters` any signal that it depends on.
+    pub of: Text,
+    /// By how much it changes the rates of states, where that does not follow from the speed.
+    pub enters: Vec<(Text, Text)>,
+    /// The input that is to be looked at first, in the place of a force.
+    pub replaces: Option<Text>,
 }
 
 /// What a sensor reads: an expression of states, inputs, constants, time, and rates of states as `rate(v)`.

@@ -12,8 +12,8 @@ mod words;
 
 use crate::text::diagnostic::{Diagnostic, SourceId};
 use crate::text::spec::{
-    ConstantSpec, CsvSpec, DataSpec, DeriveSpec, InputSpec, NoiseSpec, SensorSpec, SensorValue, Spec,
-    SyntheticSpec, Text,
+    ConstantSpec, CsvSpec, DataSpec, DeriveSpec, InputSpec, NoiseSpec, PlaceSpec, SensorSpec, SensorValue,
+    Spec, SyntheticSpec, Text,
 };
 use crate::units::unit::{Dimension, Unit};
 use form::Form;
@@ -34,12 +34,20 @@ pub(crate) struct CoefficientUnit {
     pub(crate) energy: Option<Dimension>,
 }
 
-/// Checks a spec in which all names are known. Returns the unit of each coefficient, in the order of the
-/// spec.
+/// The SI units of what a spec leaves to be found, in its order; none where any fits.
+pub(crate) struct Units {
+    pub(crate) coefficients: Vec<CoefficientUnit>,
+    /// Of the speed of each contact.
+    pub(crate) contacts: Vec<Option<Dimension>>,
+    /// Of what each place is of, and of how it enters each rate.
+    pub(crate) places: Vec<(Option<Dimension>, Vec<Option<Dimension>>)>,
+}
+
+/// Checks a spec in which all names are known.
 ///
 /// # Errors
 /// What does not fit.
-pub(crate) fn dimensions(spec: &Spec, source: SourceId) -> Result<Vec<CoefficientUnit>, Vec<Diagnostic>> {
+pub(crate) fn dimensions(spec: &Spec, source: SourceId) -> Result<Units, Vec<Diagnostic>> {
     let with = |shared| {
         let mut survey = Survey::new(spec, source, shared);
         let units = survey.all();
@@ -77,7 +85,7 @@ impl<'s> Survey<'s> {
         Survey { spec, words: Words::new(source), shared, unknowns, names, mistakes: vec![] }
     }
 
-    fn all(&mut self) -> Vec<CoefficientUnit> {
+    fn all(&mut self) -> Units {
         let spec = self.spec;
         // Where no state has a unit, time need not be in seconds either.
         let bare = spec.states.iter().all(|(_, unit)| unit.value.trim().is_empty());
@@ -110,9 +118,13 @@ impl<'s> Survey<'s> {
                 ));
             }
         }
-        for text in spec.contacts.iter().chain(spec.places.iter().map(|(_, text)| text)) {
-            self.measure(text);
-        }
+        let contacts: Vec<Measure> = spec.contacts.iter().map(|text| self.measure(text)).collect();
+        let place = |survey: &mut Self, place: &'s PlaceSpec| {
+            let enters = place.enters.iter().map(|(_, text)| survey.measure(text)).collect::<Vec<Measure>>();
+            (survey.measure(&place.of), enters)
+        };
+        let places: Vec<(Measure, Vec<Measure>)> =
+            spec.places.iter().map(|(_, of)| place(self, of)).collect();
         // Times the square of its speed an inertia is an energy: kg for m/s, kg*m^2 for rad/s.
         let energy = Measure::Fixed(Form::known(Dimension::NEWTON.mul(Dimension::METRE)));
         for (name, text) in &spec.inertia {
@@ -131,7 +143,17 @@ impl<'s> Survey<'s> {
             }
         }
         // Only now is known all that the spec says.
-        products.iter().map(|product| self.coefficient(product)).collect()
+        let unit = |of: &Measure| self.unit(of.clone());
+        Units {
+            coefficients: products.iter().map(|product| self.coefficient(product)).collect(),
+            contacts: contacts.iter().map(unit).collect(),
+            places: places.iter().map(|(of, enters)| (unit(of), enters.iter().map(unit).collect())).collect(),
+        }
+    }
+
+    /// The unit, where it is known.
+    fn unit(&self, measure: Measure) -> Option<Dimension> {
+        self.unknowns.resolved(measure.plainly()?).dimension()
     }
 
     /// What a declaration says; no unit means that any fits.
@@ -302,7 +324,7 @@ impl<'s> Survey<'s> {
     }
 
     fn coefficient(&self, term: &Product<'_>) -> CoefficientUnit {
-        let unit = |measure: Measure| self.unknowns.resolved(measure.plainly()?).dimension();
+        let unit = |measure: Measure| self.unit(measure);
         let coefficient = term.due.times(&term.product, -1.0);
         let outside = term.inertia.as_ref().filter(|_| !term.inside);
         let force = outside.and_then(|inertia| unit(coefficient.times(inertia, 1.0)));

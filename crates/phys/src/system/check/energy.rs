@@ -1,7 +1,7 @@
 //! Energies to the rates of their speeds.
 
 use super::checker::Checker;
-use crate::system::lagrange::{Energies, Equations, NoEquations};
+use crate::system::lagrange::{Energies, Equations, NoEquations, mobility};
 use crate::text::spec::{EnergySpec, Spec, Text};
 use phisindy_expr::{Id, Scratch, Tape};
 
@@ -62,6 +62,58 @@ impl Checker {
                 Mechanism::default()
             }
         }
+    }
+
+    /// The inertias of a matrix: what a force along each speed feels where all else follows, and what follows.
+    pub(super) fn inertia_matrix(
+        &mut self,
+        spec: &Spec,
+        allowed: &[&str],
+        diagonal: &[Option<Id>],
+        all: &mut Mechanism,
+    ) {
+        let place = |name: &Text| spec.states.iter().rposition(|(n, _)| n.value == name.value);
+        let mut entries: Vec<(usize, usize, Id)> = Vec::new();
+        for (a, b, text) in &spec.between {
+            let [i, j] = [a, b].map(|name| place(name).filter(|&k| diagonal[k].is_some()));
+            let (Some(i), Some(j)) = (i, j) else {
+                let missing = if i.is_none() { a } else { b };
+                self.error(format!("`{}` has no inertia of its own", missing.value), missing.span, "")
+                    .help
+                    .push("a matrix has an entry for each state and itself: `\"v\": { \"v\": \"M+m\", \"w\": \"...\" }`".into());
+                continue;
+            };
+            let Some(node) = self.expression(text, allowed) else { continue };
+            let same = |e: &&(usize, usize, Id)| (e.0, e.1) == (j, i);
+            match entries.iter().find(same) {
+                Some(&(.., other)) if other != node => {
+                    self.error("an inertia matrix is symmetric", text.span, "said otherwise before")
+                        .help
+                        .push("one of the two entries is enough".into());
+                }
+                Some(_) => {}
+                None => entries.push((i, j, node)),
+            }
+        }
+        let mut places: Vec<usize> = entries.iter().flat_map(|&(i, j, _)| [i, j]).collect();
+        places.sort_unstable();
+        places.dedup();
+        let zero = self.graph.constant(0.0);
+        let entry = |i: usize, j: usize| match i == j {
+            true => diagonal[i].unwrap_or(zero),
+            false => {
+                let own = entries.iter().find(|e| (e.0, e.1) == (i, j) || (e.0, e.1) == (j, i));
+                own.map_or(zero, |e| e.2)
+            }
+        };
+        let mass: Vec<Vec<Id>> =
+            places.iter().map(|&i| places.iter().map(|&j| entry(i, j)).collect()).collect();
+        let Ok(mobility) = mobility(&mut self.graph, &mass) else {
+            let span = spec.between[0].2.span;
+            self.error("the inertia matrix has no inverse", span, "");
+            return;
+        };
+        self.follow(&mobility, &places, all);
     }
 
     fn energies(
@@ -130,21 +182,29 @@ impl Checker {
 
     fn by_state(&mut self, equations: &Equations, places: &[(usize, usize)]) -> Mechanism {
         let mut all = Mechanism::default();
-        let one = self.graph.constant(1.0);
         for (i, &(_, speed)) in places.iter().enumerate() {
-            let own = equations.mobility[i][i];
             all.rates.push((speed, equations.rates[i]));
             let (momentum, force) = equations.momenta[i];
             all.momenta.push((speed, momentum, force));
+        }
+        let speeds: Vec<usize> = places.iter().map(|&(_, speed)| speed).collect();
+        self.follow(&equations.mobility, &speeds, &mut all);
+        all
+    }
+
+    /// What a force along each speed feels, and what follows from its rate, by the inverse of the mass matrix.
+    fn follow(&mut self, mobility: &[Vec<Id>], speeds: &[usize], all: &mut Mechanism) {
+        let one = self.graph.constant(1.0);
+        for (i, &speed) in speeds.iter().enumerate() {
+            let own = mobility[i][i];
             all.inertia.push((speed, self.graph.div(one, own)));
-            for (j, &(_, other)) in places.iter().enumerate() {
-                let cross = equations.mobility[i][j];
+            for (j, &other) in speeds.iter().enumerate() {
+                let cross = mobility[i][j];
                 if j != i && self.graph.value(cross) != Some(0.0) {
                     all.coupling.push((speed, other, self.graph.div(cross, own)));
                 }
             }
         }
-        all
     }
 
     /// Warns of a kinetic energy that is not positive wherever it is looked at.

@@ -1,7 +1,7 @@
 //! Rates, terms and contacts: the fields of a spec that become a [`System`].
 
 use super::checker::Checker;
-use crate::system::equations::{Contact, Input, Output, State, System, Term, contains_sign};
+use crate::system::equations::{Contact, Input, NamedPlace, Output, State, System, Term, contains_sign};
 use crate::text::spec::{OutputSpec, Spec, Text, UnknownSpec};
 use phisindy_expr::{Id, Span, nearest};
 use std::collections::HashMap;
@@ -89,6 +89,8 @@ impl Checker {
                 checker.error(message, text.span, "").help.push("a force over it is an acceleration".into());
             }
         });
+        let mut mechanism = mechanism;
+        self.inertia_matrix(spec, &allowed, &inertia, &mut mechanism);
         mechanism.inertia.iter().for_each(|&(k, own)| inertia[k] = Some(own));
         for k in 0..states.len() {
             states[k].velocity = (0..states.len()).find(|&v| v != k && states[v].node == known[k]);
@@ -98,12 +100,13 @@ impl Checker {
         self.per_state("unknown", &entries, spec, |checker, k, unknown| {
             // Along a speed of a mechanism what is unknown is a force.
             let own = mechanism.inertia.iter().find(|(speed, _)| *speed == k).map(|&(_, own)| own);
+            let own = own.filter(|_| spec.is_moved(&spec.states[k].0.value));
             checker.terms((k, own), unknown, &allowed, &mut terms);
         });
         let (rate_symbols, outputs) = self.outputs(outputs, &states, &allowed);
         let system_states: Vec<Id> = states.iter().map(|s: &State| s.node).collect();
         let contacts = self.contacts(spec, &allowed, &states, &system_states, &known, &terms);
-        let places = self.places(spec, &allowed, &states, &system_states);
+        let places = self.places(spec, &allowed, (&states, &inputs), &system_states);
         self.limits(spec);
         let mut system = System {
             title: spec.title.as_ref().map_or(String::new(), |t| t.value.clone()),
@@ -291,7 +294,7 @@ impl Checker {
                 );
                 self.warn(message, text.span, "");
             }
-            contacts.push(Contact { text: text.value.clone(), node });
+            contacts.push(Contact { text: text.value.clone(), node, unit: None });
         }
         contacts
     }
@@ -301,14 +304,45 @@ impl Checker {
         &mut self,
         spec: &Spec,
         allowed: &[&str],
-        states: &[State],
+        (states, inputs): (&[State], &[Input]),
         nodes: &[Id],
-    ) -> Vec<(String, Contact)> {
-        let mut all: Vec<(String, Contact)> = Vec::new();
-        for (name, text) in &spec.places {
-            let Some(node) = self.expression(text, allowed) else { continue };
-            if self.is_speed(text, node, states, nodes, ("so no force acts along it", "a place")) {
-                all.push((name.value.clone(), Contact { text: text.value.clone(), node }));
+    ) -> Vec<NamedPlace> {
+        let mut all: Vec<NamedPlace> = Vec::new();
+        for (name, place) in &spec.places {
+            let lowered = |checker: &mut Checker, text: &Text| {
+                let node = checker.expression(text, allowed)?;
+                Some(Contact { text: text.value.clone(), node, unit: None })
+            };
+            let Some(of) = lowered(self, &place.of) else { continue };
+            let replaces = place.replaces.as_ref().map(|input| {
+                let own = inputs.iter().position(|u| u.name == input.value && u.node == of.node);
+                if own.is_none() {
+                    let message = format!("`{}` is no input that this place is of", input.value);
+                    self.error(message, input.span, "").help.push(
+                        "what acts in the place of an input is written `(of: \"u\", replaces: \"u\")`".into(),
+                    );
+                }
+                own
+            });
+            let mut enters = Vec::new();
+            for (state, text) in &place.enters {
+                let own = states.iter().position(|s| s.name == state.value);
+                if own.is_none() {
+                    self.error(
+                        format!("`{}` is no state", state.value),
+                        state.span,
+                        "its rate cannot change",
+                    );
+                }
+                enters.extend(own.zip(lowered(self, text)));
+            }
+            let speed = || ("so no force acts along it", "a place");
+            if replaces.is_some()
+                || !place.enters.is_empty()
+                || self.is_speed(&place.of, of.node, states, nodes, speed())
+            {
+                let name = name.value.clone();
+                all.push(NamedPlace { name, of, enters, replaces: replaces.flatten() });
             }
         }
         all
@@ -343,12 +377,17 @@ impl Checker {
         nodes: &[Id],
         (not, what): (&str, &str),
     ) -> bool {
-        let gradient = self.graph.gradient(node, nodes);
-        let parts: Vec<usize> =
-            (0..nodes.len()).filter(|&k| self.graph.value(gradient[k]) != Some(0.0)).collect();
-        let linear = gradient.iter().all(|&g| self.graph.value(g).is_some());
-        let displacement = parts.iter().copied().find(|&k| states[k].velocity.is_some());
-        if !parts.is_empty() && linear && displacement.is_none() {
+        let is_place = |k: usize| states[k].velocity.is_some();
+        let speeds: Vec<Id> = (0..nodes.len()).filter(|&k| !is_place(k)).map(|k| nodes[k]).collect();
+        let gradient = self.graph.gradient(node, &speeds);
+        let moves = gradient.iter().any(|&g| self.graph.value(g) != Some(0.0));
+        let linear = !self.graph.uses(&gradient, &speeds);
+        // Where nothing moves, there is no speed: a displacement only turns the direction.
+        let zero = self.graph.constant(0.0);
+        let at_rest = speeds.iter().map(|&v| (v, zero)).collect();
+        let still = self.graph.replace(&[node], &at_rest)[0];
+        let displacement = (0..nodes.len()).find(|&k| is_place(k) && self.graph.uses(&[still], &[nodes[k]]));
+        if moves && linear && displacement.is_none() {
             return true;
         }
         let d = self.error(format!("`{}` is no velocity, {not}", text.value), text.span, "");

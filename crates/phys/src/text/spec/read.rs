@@ -1,7 +1,7 @@
 //! The whole spec.
 
 use super::reader::Reader;
-use super::{DataSpec, OutputSpec, Spec, UnknownSpec};
+use super::{DataSpec, OutputSpec, PlaceSpec, Spec, Text, UnknownSpec};
 use crate::text::diagnostic::{Diagnostic, SourceId};
 use crate::text::raw::{Node, Shape, parse};
 
@@ -96,10 +96,18 @@ impl Reader<'_> {
             true => Some(self.pairs(&fields, "known", Self::words)),
             false => self.required(&fields, "known", |r, n| r.map(n, Self::words)),
         };
-        let inertia = self.pairs(&fields, "inertia", Self::words);
+        let (mut inertia, mut between) = (Vec::new(), Vec::new());
+        for (name, row) in self.pairs(&fields, "inertia", Self::inertia) {
+            for (other, text) in row {
+                match other.filter(|other| other.value != name.value) {
+                    None => inertia.push((name.clone(), text)),
+                    Some(other) => between.push((name.clone(), other, text)),
+                }
+            }
+        }
         let unknown = self.pairs(&fields, "unknown", Self::unknown);
         let contacts = self.optional(&fields, "contacts", |r, n| r.list(n, Self::words));
-        let places = self.pairs(&fields, "places", Self::words);
+        let places = self.pairs(&fields, "places", Self::place);
         let limits = self.optional(&fields, "limits", Self::limits);
         let data = match data {
             Data::Required => self.required(&fields, "data", |r, n| r.filled(n, RECORD, Self::record)),
@@ -124,6 +132,7 @@ impl Reader<'_> {
             energy,
             known,
             inertia,
+            between,
             unknown,
             contacts: contacts.unwrap_or_default(),
             places,
@@ -133,6 +142,27 @@ impl Reader<'_> {
         };
         self.within_size(&spec);
         Some(spec)
+    }
+
+    /// `"m"`, or a row of a matrix: `{ "v": "M+m", "w": "m*l*cos(th)" }`
+    fn inertia(&mut self, node: &Node) -> Option<Vec<(Option<Text>, Text)>> {
+        if !matches!(node.shape, Shape::Map) {
+            return self.words(node).map(|text| vec![(None, text)]);
+        }
+        let row = self.map(node, Self::words)?;
+        Some(row.into_iter().map(|(name, text)| (Some(name), text)).collect())
+    }
+
+    /// `"r*w - v"`, or `(of: "p1 - p2", enters: { "p1": "-B/V" })`, or `(of: "u", replaces: "u")`
+    fn place(&mut self, node: &Node) -> Option<PlaceSpec> {
+        if !matches!(node.shape, Shape::Group) {
+            return self.words(node).map(|of| PlaceSpec { of, enters: vec![], replaces: None });
+        }
+        let fields = self.fields(node, "a place", &["of", "enters", "replaces"])?;
+        let of = self.required(&fields, "of", Self::words);
+        let enters = self.pairs(&fields, "enters", Self::words);
+        let replaces = self.optional(&fields, "replaces", Self::words);
+        Some(PlaceSpec { of: of?, enters, replaces })
     }
 
     /// `(unit: "m/s^2", reads: "rate(v)")`
