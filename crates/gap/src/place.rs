@@ -11,7 +11,7 @@ pub(crate) use effect::{bindings, fits, is_force, needs, product};
 pub(crate) use known_force::known_forces;
 pub use needs::Needs;
 
-use phisindy_expr::{Graph, Id};
+use phisindy_expr::{Graph, Id, rename};
 use phisindy_phys::unit::{Dimension, Unit};
 use phisindy_phys::{Contact, NamedPlace, Output, RecordPlan, System};
 
@@ -501,6 +501,11 @@ fn directions(system: &mut System, bodies: &[usize], others: &[Place]) -> Vec<Pl
     all
 }
 
+/// Whether an expression has this name in it.
+fn mentions(text: &str, name: &str) -> bool {
+    phisindy_expr::parse(text).is_ok_and(|ast| ast.names().any(|(own, _)| own == name))
+}
+
 /// The unit of a state, or of its rate.
 fn rate_of(system: &System, state: usize, times: i32) -> Dimension {
     let own = Unit::parse(&system.states[state].unit).map_or(Dimension::NONE, |u| u.dimension);
@@ -522,11 +527,27 @@ fn turning(
     if own.is_empty() || system.graph.uses(&moves, &speeds) {
         return None;
     }
-    let back = |system: &mut System, slope: Id| {
-        let node = system.graph.neg(slope);
-        Entry::Force(Quantity { text: format!("({})", system.graph.text(node, &system.names)), node })
+    // Linear in the speeds: with 1 for one of them and 0 for the others it is what it has of that one, in its units.
+    let names: Vec<&str> = own.iter().map(|&v| system.states[v].name.as_str()).collect();
+    let is_open = names.iter().all(|name| mentions(&contact.text, name));
+    let alone = |one: &str| {
+        let with: Vec<(String, String)> = names
+            .iter()
+            .map(|name| ((*name).to_owned(), if *name == one { "1.0" } else { "0.0" }.to_owned()))
+            .collect();
+        rename(&contact.text, &with).ok().filter(|_| is_open)
     };
-    let enters = own.iter().map(|&v| back(system, slopes[v])).collect();
+    let texts: Vec<Option<String>> = names.iter().map(|name| alone(name)).collect();
+    let enters = own
+        .iter()
+        .zip(texts)
+        .map(|(&v, text)| {
+            let node = system.graph.neg(slopes[v]);
+            let text = text.map(|text| format!("-({text})"));
+            let text = text.unwrap_or_else(|| system.graph.text(node, &system.names));
+            Entry::Force(Quantity { text: format!("({text})"), node })
+        })
+        .collect();
     // The power of a body's inertia at its speed is that of the force along this one.
     let speed = rate_of(system, own[0], 0);
     let power = Dimension::NEWTON.mul(Dimension::METRE).div(Dimension::SECOND);

@@ -192,7 +192,9 @@ fn force(
     applied: &Applied,
     parts: &mut Parts,
 ) -> Result<(), SpecTextError> {
-    let Site::Force { acts, enters, shows, .. } = &applied.effect.place.site else { return Ok(()) };
+    let Site::Force { acts, enters, shows, velocity, .. } = &applied.effect.place.site else {
+        return Ok(());
+    };
     internal(text, model, applied, parts)?;
     let force = force_text(applied).unwrap_or_default();
     let sign = |sign: f64| if sign < 0.0 { '-' } else { '+' };
@@ -215,9 +217,13 @@ fn force(
             None => (way, size(way)),
         };
         if model.given.spec.is_moved(name) {
-            let minus = if way < 0.0 { "-" } else { "" };
-            let signed = format!("{minus}{by}({force})");
-            text.set(&format!("energy.forces.\"{signed}\""), &format!("\"{name}\""))?;
+            // Along a direction that turns it is said once.
+            let (signed, along) = match enters.get(k) {
+                Some(_) => (format!("-({force})"), velocity.bare()),
+                None if way < 0.0 => (format!("-{by}({force})"), name.as_str()),
+                None => (format!("{by}({force})"), name.as_str()),
+            };
+            text.set(&format!("energy.forces.\"{signed}\""), &format!("\"{along}\""))?;
             continue;
         }
         let follows: Vec<&(usize, usize, Id)> =
