@@ -87,12 +87,11 @@ impl Limits {
         let longest = records.iter().map(|r| r.time[r.len() - 1] - r.time[0]).fold(0.0, f64::max);
         let duration = stated.duration.as_ref().map_or((longest, false), |d| (d.value, true));
         let step = records.iter().map(step).fold(f64::INFINITY, f64::min);
+        // A faster drive is another one between its samples, however these are joined.
+        let fastest = (SAMPLES_IN_A_CYCLE * step).recip();
         let band = stated.band.as_ref().map_or_else(
-            || {
-                let high = (SAMPLES_IN_A_CYCLE * step).recip();
-                ((CYCLES / duration.0).min(high), high, false)
-            },
-            |(low, high)| (low.value, high.value, true),
+            || ((CYCLES / duration.0).min(fastest), fastest, false),
+            |(low, high)| (low.value.min(fastest), high.value.min(fastest), true),
         );
         Limits { inputs, columns, constants, duration, band }
     }
