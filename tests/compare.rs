@@ -172,6 +172,12 @@ fn results_are_compared_and_kept() {
     let page = fs::read_to_string(scratch.0.join("compared/report.html")).expect("a report");
     assert!(page.contains("Fc fell by") && page.ends_with("</html>\n"));
     assert!(scratch.0.join("compared/figures/numbers.svg").is_file());
+    // What is read is not replaced, and nothing is done before that is said.
+    for command in [&["compare", &new, &out][..], &["next", &out]] {
+        let done = phisindy(&[command, &["--out", &format!("{out}/"), "--force"]].concat());
+        assert!(done.code == 2 && done.err.contains("is what is read"), "{}", done.err);
+        assert_eq!(done.out, "");
+    }
 }
 
 #[test]

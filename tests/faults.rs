@@ -169,6 +169,8 @@ fn what_is_no_file_is_refused_and_not_waited_for() {
     refused(&phisindy(&["run", &scratch.path("a.ron")]), &["pipe or a device"]);
     let said = phisindy(&["sweep", "--merge", &scratch.path("j")]);
     assert!(said.code == 2 && said.err.contains("pipe or a device"), "{}", said.err);
+    let said = phisindy(&[&["run"], QUICK, &["--planned", &scratch.path("out")]].concat());
+    assert!(said.code == 2 && said.err.contains("pipe or a device"), "{}", said.err);
     let said = phisindy(&[&["run"], QUICK, &["--force", "--out", &scratch.path("out")]].concat());
     assert_eq!(said.code, 0, "{}", said.err);
 }

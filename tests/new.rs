@@ -577,6 +577,9 @@ fn names_of_files_need_not_be_utf8() {
     assert!(matches!(done.0, Some(0 | 1)), "{}", done.1);
     let again = run(&[word("check"), out.join("identified.ron").as_os_str()]);
     assert_eq!(again.0, Some(0), "{}", again.1);
+    // A page can name it in no request.
+    let page = run(&[word("open"), word("--no-open"), word("--limit"), word("1s"), spec.as_os_str()]);
+    assert!(page.0 == Some(2) && page.1.contains("not UTF-8"), "{}", page.1);
     // In the working folder too.
     let here = |words: &[&OsStr]| {
         let output =

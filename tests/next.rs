@@ -454,6 +454,10 @@ fn what_cannot_be_designed_says_why() {
     );
     assert!(said(&["--set", "limits={ band: (0.0, 1.0) }"]).contains("a band begins above 0 Hz"));
     assert!(said(&["--set", "limits={ durations: 3.0 }"]).contains("duration"));
+    for duration in ["1e12", "1e-9"] {
+        let set = format!("limits={{ duration: {duration} }}");
+        assert!(said(&["--set", &set]).contains("change `duration` in `limits`"), "{duration}");
+    }
     assert!(said(&["--set", "limits=3"]).contains("expected a map"));
     // A model that is complete, whose numbers are all held.
     let held = with_friction(&rig.spec(&["a.csv"], LIMITS));

@@ -854,6 +854,32 @@ fn a_browser_goes_from_a_dropped_file_to_the_report() {
     assert_eq!(browser.value(foreign), 0);
 }
 
+/// Who stopped it, knows the page that was asked to; its report has the signal.
+#[test]
+fn only_what_you_stopped_is_stopped_by_you() {
+    let Some(mut browser) = Browser::start() else {
+        let _ = writeln!(std::io::stderr(), "skipped: only_what_you_stopped: there is no chromium here");
+        return;
+    };
+    let mut page = Served::new(None);
+    started(&page);
+    browser.visit(&page.url);
+    browser.until("!$('stop').hidden");
+    browser.value("$('stop').click()");
+    browser.until("$('finding').textContent.startsWith('Stopped by you; found so far: ')");
+    assert_eq!(browser.value("$('results').textContent.includes('stopped early')"), true);
+    started(&page);
+    browser.until("!$('stop').hidden");
+    page.end();
+    assert!(page.text("results/long-gap-2/report.html").contains("Stopped by SIGTERM"));
+    let again = Served::of(std::mem::replace(&mut page.folder, TempDir::new().expect("a folder")), None);
+    browser.visit(&again.url);
+    browser
+        .until("document.readyState === 'complete' && $('results').querySelectorAll('button').length === 2");
+    browser.value("$('results').querySelector('button').click()");
+    browser.until("$('finding').textContent.startsWith('Stopped early; found so far: ')");
+}
+
 #[test]
 fn two_tabs_and_an_editor_lose_no_edit() {
     let Some(mut browser) = Browser::start() else {

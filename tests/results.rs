@@ -10,7 +10,7 @@ use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Case 1a over 20 s: a tenth of a second for a run.
 const QUICK: &[&str] = &["run", "specs/case1a.ron", "--set", "data.0.duration=20.0", "--quiet"];
@@ -312,6 +312,7 @@ impl Page {
         let (Page { host, token }, length) = (self, body.len());
         let head = format!("{method} /{token}{path} HTTP/1.1\r\nHost: {host}\r\n{headers}");
         let mut stream = TcpStream::connect(host).ok()?;
+        stream.set_read_timeout(Some(Duration::from_secs(60))).ok()?;
         stream.write_all(format!("{head}Content-Length: {length}\r\n\r\n{body}").as_bytes()).ok()?;
         let mut answer = String::new();
         stream.read_to_string(&mut answer).ok()?;
@@ -348,27 +349,71 @@ impl Page {
 /// A file that is uploaded.
 const DATA: &str = "t_s,x_mm\n0.0,1.5\n0.1,1.4\n";
 
+/// A page in a folder with one spec, `a.ron`, whose run would take an hour and is under way; `shell` stands before
+/// the program.
+fn searching(scratch: &Scratch, shell: &str) -> (Child, Page) {
+    let long = fs::read_to_string(crate::common::top().join("specs/case1a.ron")).expect("a spec");
+    let long = long.replace(
+        "learn: (optimiser: RAdam, epochs: [1000, 1000, 1000], rates: [0.1, 0.01, 0.001]",
+        "learn: (method: Step, epochs: [9000000], rates: [0.01]",
+    );
+    fs::write(scratch.path("a.ron"), long).expect("written");
+    let shell = format!("{shell} exec \"$0\" open --no-open --quiet \"$1\"");
+    let mut child = Command::new("sh")
+        .args(["-c", &shell, env!("CARGO_BIN_EXE_phisindy"), &scratch.path("")])
+        .stdout(Stdio::piped())
+        .spawn()
+        .expect("starts");
+    let page = Page::of(child.stdout.take().expect("a pipe")).expect("its address");
+    assert_eq!(page.sent("api/start?name=a.ron&what=run", ""), Some(true));
+    (child, page)
+}
+
+/// What its page kept at a signal.
+#[track_caller]
+fn kept_at(scratch: &Scratch, name: &str) {
+    let report = fs::read_to_string(scratch.path("results/a-run-1/report.html")).expect("a result");
+    assert!(report.contains(&format!("topped by {name} before the end")), "{name}");
+}
+
 /// A signal ends the search of a page, which keeps what it found.
 #[test]
 fn the_search_of_a_page_is_kept_at_every_signal() {
     for (signal, name) in [("-TERM", "SIGTERM"), ("-HUP", "SIGHUP"), ("-INT", "Ctrl-C")] {
         let scratch = Scratch::new("search");
-        let long = fs::read_to_string(crate::common::top().join("specs/case1a.ron")).expect("a spec");
-        let long = long.replace(
-            "learn: (optimiser: RAdam, epochs: [1000, 1000, 1000], rates: [0.1, 0.01, 0.001]",
-            "learn: (method: Step, epochs: [9000000], rates: [0.01]",
-        );
-        fs::write(scratch.path("a.ron"), long).expect("written");
-        let mut child = program(&["open", "--no-open", "--quiet", &scratch.path("")])
-            .stdout(Stdio::piped())
-            .spawn()
-            .expect("starts");
-        let page = Page::of(child.stdout.take().expect("a pipe")).expect("its address");
-        assert_eq!(page.sent("api/start?name=a.ron&what=run", ""), Some(true));
+        let (mut child, _) = searching(&scratch, "");
         signalled(&mut child, &[signal]);
         assert_eq!(child.wait().expect("ends").code(), Some(130), "{signal}");
-        let report = fs::read_to_string(scratch.path("results/a-run-1/report.html")).expect("a result");
-        assert!(report.contains(&format!("topped by {name} before the end")), "{signal}");
+        kept_at(&scratch, name);
+    }
+}
+
+/// Where the system gives no file for one more connection, the page waits until it does, and its search goes on.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_page_outlasts_the_want_of_files() {
+    // A connection takes two files: of an odd number that is left it gets one.
+    for most in [60, 61] {
+        let scratch = Scratch::new("files");
+        let (mut child, page) = searching(&scratch, &format!("ulimit -n {most};"));
+        let taken = || fs::read_dir(format!("/proc/{}/fd", child.id())).map_or(0, Iterator::count);
+        let idle: Vec<TcpStream> =
+            (0..most).map(|_| TcpStream::connect(&page.host).expect("it listens")).collect();
+        let since = Instant::now();
+        while taken() < most - 1 && since.elapsed() < Duration::from_secs(60) {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        let used = taken();
+        std::thread::sleep(Duration::from_millis(300));
+        drop(idle);
+        let now = page.asked("GET", "api/now", "", "");
+        // Before anything can fail here: it would run for an hour.
+        signalled(&mut child, &["-TERM"]);
+        assert_eq!(child.wait().expect("ends").code(), Some(130));
+        assert!(used >= most - 1, "only {used} of {most} files were used");
+        let (status, now) = now.expect("an answer");
+        assert!(status == 200 && now["job"]["running"] == true, "{now}");
+        kept_at(&scratch, "SIGTERM");
     }
 }
 

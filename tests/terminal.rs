@@ -45,6 +45,26 @@ fn a_terminal_gets_unicode_colours_a_plot_and_the_report_last() {
     assert!(latex.contains("\\dot{y}"), "{latex}");
 }
 
+/// Titles and names of somebody else's spec, and of files, give no commands to a terminal.
+#[test]
+fn a_terminal_obeys_no_spec() {
+    let scratch = Scratch::new("obeys");
+    let case = std::fs::read_to_string(common::top().join("specs/case1a.ron")).expect("a spec");
+    let case = case.replacen("title: \"", "title: \"\\u{1b}]0;mine\\u{7}\\u{9b}2J", 1);
+    let case = case.replacen("Synthetic(", "Synthetic(name: \"one\\u{1b}[2J\", ", 1);
+    std::fs::write(scratch.path("a.ron"), case).expect("a file");
+    for command in ["run", "gap", "next"] {
+        let said = at_terminal(&[command, &scratch.path("a.ron"), "--quiet"], true);
+        let Some(said) = said else { return };
+        let odd = ["\u{1b}]", "\u{1b}[2J", "\u{7}", "\u{9b}"];
+        assert!(!odd.iter().any(|odd| said.contains(odd)), "{command}: {said:?}");
+    }
+    let name = scratch.path("a\u{1b}[2J.csv");
+    std::fs::copy(common::top().join("docs/tutorial/rig.csv"), &name).expect("a file");
+    let said = common::phisindy(&["new", &name, "--out", &scratch.path("b.ron")]);
+    assert!(said.code == 0 && !said.err.contains('\u{1b}'), "{:?}", said.err);
+}
+
 /// The rows of a screen of `wide` columns after what a program wrote: new lines, returns, moves up and down,
 /// erasing, and the wrap of a line that is full.
 fn screen(said: &str, wide: usize) -> Vec<String> {

@@ -141,3 +141,33 @@ fn a_folder_without_a_result_cannot_be_verified() {
     assert_eq!((code, out.as_str()), (2, ""));
     assert!(err.contains("--out DIR"), "{err}");
 }
+
+#[test]
+fn a_result_that_is_damaged_is_not_called_stopped() {
+    let scratch = Scratch::new("damaged");
+    let folder = scratch.0.as_path();
+    measured(folder);
+    let (spec, out) = (scratch.path("rig.ron"), scratch.path("found"));
+    assert_eq!(phisindy(&["run", &spec, "--out", &out, "--quiet"]).code, 0);
+    fs::write(folder.join("found/result.json"), "{}").expect("a file");
+    let (code, of) = verify(&folder.join("found"), &[]);
+    assert_eq!((code, differences(&of)), (1, vec![("edited".into(), "result.json".into())]));
+    fs::write(folder.join("found/result.json"), "{ \"verdict\": ").expect("a file");
+    let Outcome { code, out, err } = phisindy(&["verify", &out]);
+    assert_eq!((code, out.as_str()), (2, ""));
+    assert!(err.contains("result.json` is damaged"), "{err}");
+}
+
+/// Of a comparison, a check and a design that has no run yet a part is worth nothing.
+#[test]
+fn work_that_keeps_nothing_does_not_say_that_it_does() {
+    let scratch = Scratch::new("keeps-nothing");
+    measured(&scratch.0);
+    let (spec, out) = (scratch.path("rig.ron"), scratch.path("found"));
+    assert!(phisindy(&["gap", &spec, "--out", &out, "--quiet"]).code <= 1);
+    for command in [&["verify", &out][..], &["compare", &spec, &spec], &["next", &spec]] {
+        let Outcome { code, out, err } = phisindy(&[command, &["--limit", "0.001s"]].concat());
+        assert_eq!((code, out.as_str()), (3, ""), "{command:?}: {err}");
+        assert!(err.contains("nothing of it is kept"), "{command:?}: {err}");
+    }
+}

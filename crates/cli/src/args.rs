@@ -7,12 +7,13 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::error::ErrorKind;
 use clap::parser::ValueSource;
 use clap::{CommandFactory, Parser, Subcommand, ValueEnum};
-use phisindy::files::{Assignment, Naming, Request};
+use phisindy::files::{Assignment, Naming, Request, open_plain_file};
 use phisindy_import::{Answers, CountUnit, Heading, Quantity};
 use phisindy_phys::spec::Method;
 use phisindy_phys::unit::Unit;
 use phisindy_report::export::{EXPORTERS, Exporter};
 use phisindy_report::{Look, Plan, RESULT};
+use std::io;
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
@@ -256,7 +257,7 @@ Exit codes: 0 nothing changed, nobody stands out; 1 something did."
     )]
     Compare {
         /// Specs, or folders that `run --out` or `gap --out` wrote: the older one first
-        #[arg(value_name = "OLD NEW...", num_args = 2.., required = true)]
+        #[arg(value_names = ["OLD", "NEW"], num_args = 2.., required = true)]
         paths: Vec<PathBuf>,
     },
     /// Design the next run: the one that best tells the models apart that are left, or best narrows a number
@@ -648,7 +649,7 @@ impl Options {
         let Some(folder) = &self.planned else { return Ok(None) };
         let file = folder.join(RESULT);
         let told = || format!("--planned {}: cannot read {}", folder.display(), file.display());
-        let text = std::fs::read_to_string(&file).with_context(told)?;
+        let text = open_plain_file(&file).and_then(io::read_to_string).with_context(told)?;
         let none = || {
             anyhow!("--planned {}: {} is no plan of `phisindy next --out`", folder.display(), file.display())
         };

@@ -7,6 +7,7 @@ use codespan_reporting::diagnostic as drawn;
 use codespan_reporting::files::{self, Files};
 use codespan_reporting::term::{self, Config, termcolor};
 use phisindy_phys::{Diagnostic, Severity, Sources};
+use std::borrow::Cow;
 use std::io::{self, IsTerminal, Write};
 use std::ops::Range;
 
@@ -63,6 +64,21 @@ struct Printable<'a>(&'a mut termcolor::Buffer);
 pub(crate) fn printable(text: &[u8]) -> Vec<u8> {
     let shown = |byte: &u8| if byte.is_ascii_control() && !b"\n\t".contains(byte) { b'?' } else { *byte };
     text.iter().map(shown).collect()
+}
+
+/// The same of a text whose colours are the program's own.
+pub(crate) fn coloured(text: &str) -> Cow<'_, str> {
+    let mut parts = text.split('\u{1b}');
+    let plain = |part: &str| part.replace(|c: char| c.is_control() && !"\n\t".contains(c), "?");
+    let mut out = plain(parts.next().unwrap_or_default());
+    for part in parts {
+        let code = part
+            .strip_prefix('[')
+            .map(|code| code.trim_start_matches(|c: char| c.is_ascii_digit() || c == ';'));
+        out.push(if code.is_some_and(|rest| rest.starts_with('m')) { '\u{1b}' } else { '?' });
+        out += &plain(part);
+    }
+    out.into()
 }
 
 impl Write for Printable<'_> {

@@ -19,6 +19,9 @@ static SIGNAL: OnceLock<&str> = OnceLock::new();
 /// Whether there is work, where the program also waits for some.
 static WORKS: OnceLock<Box<dyn Fn() -> bool + Send + Sync>> = OnceLock::new();
 
+/// Whether nothing is kept of work that ends early.
+static LOSES: AtomicBool = AtomicBool::new(false);
+
 /// The name of the signal that a terminal sends.
 const CTRL_C: &str = "Ctrl-C";
 /// Exit code after a signal.
@@ -89,7 +92,8 @@ fn request(signal: &'static str) {
     let works = WORKS.get().is_none_or(|works| works());
     // On a terminal the line of progress is there already.
     if SIGNAL.set(signal).is_ok() && works && !std::io::stderr().is_terminal() {
-        remark(&format!("{signal}: the work ends after its present step, and what was found is kept"));
+        let fate = if loses() { "nothing of it is kept" } else { "what was found is kept" };
+        remark(&format!("{signal}: the work ends after its present step, and {fate}"));
     }
     if REQUESTED.swap(true, Ordering::SeqCst) && signal == CTRL_C {
         std::process::exit(i32::from(INTERRUPTED));
@@ -159,9 +163,19 @@ pub(crate) fn ask_for_work(works: impl Fn() -> bool + Send + Sync + 'static) {
     let _ = WORKS.set(Box::new(works));
 }
 
+/// Says that of this work a part is worth nothing: nothing is kept if it ends early.
+pub(crate) fn keeps_nothing() {
+    LOSES.store(true, Ordering::SeqCst);
+}
+
+fn loses() -> bool {
+    LOSES.load(Ordering::SeqCst)
+}
+
 /// Reports that a limit was met, with advice. After a signal there is nothing to report.
 pub(crate) fn tell() {
     if let Some(met) = MET.get() {
-        complain(&format!("{met}: what was finished is kept; {RAISE}"));
+        let fate = if loses() { "nothing of it is kept" } else { "what was finished is kept" };
+        complain(&format!("{met}: {fate}; {RAISE}"));
     }
 }

@@ -10,6 +10,14 @@ use std::ffi::OsString;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+/// Refuses a result in the place of what is read for it.
+pub(crate) fn unless_read(out: &Path, read: &Path) -> Result<()> {
+    if out.canonicalize().is_ok_and(|out| read.canonicalize().is_ok_and(|read| read == out)) {
+        bail!("--out: `{}` is what is read: choose another folder", out.display());
+    }
+    Ok(())
+}
+
 /// The folder of the result of one spec.
 pub(crate) struct Results {
     folder: ResultFolder,
@@ -19,6 +27,7 @@ pub(crate) struct Results {
 impl Results {
     /// Looks before the work whether the result can be put there.
     pub(crate) fn prepare(path: &Path, spec: &Path, options: &Options) -> Result<Results> {
+        unless_read(path, spec)?;
         let folder = ResultFolder::prepare(path, Some(spec), options.force).map_err(|why| match why {
             FolderError::Occupied(why) => {
                 anyhow!("--out: {why}: choose another folder, or put the result among them with --force")

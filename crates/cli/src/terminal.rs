@@ -33,9 +33,10 @@ pub(crate) fn tell_report(folder: Option<&Path>, look: Option<Look>) -> Result<(
     }
 }
 
-/// Prints the result.
+/// Prints the result. Titles and names of somebody else's spec give no commands to a terminal.
 pub(crate) fn print(text: &str) -> Result<()> {
     let mut out = io::stdout().lock();
+    let text = if out.is_terminal() { draw::coloured(text) } else { text.into() };
     out.write_all(text.as_bytes()).and_then(|()| out.flush()).context(STDOUT)
 }
 
@@ -47,5 +48,5 @@ pub(crate) fn complain(message: &str) {
 /// Prints a line on standard error that is not an error.
 pub(crate) fn remark(message: &str) {
     // If standard error is closed, there is nobody left to inform.
-    let _ = writeln!(io::stderr(), "{message}");
+    let _ = io::stderr().write_all(&draw::printable(format!("{message}\n").as_bytes()));
 }

@@ -23,6 +23,9 @@ const REFINED: usize = 3;
 const ROOM: f64 = (1.0 - DECIDED) / 100.0;
 /// A run is shortened by halves, and never to fewer samples than this: they tell the noise to 7 %.
 const FEWEST_SAMPLES: usize = 200;
+/// Samples of a run: `gap` takes no fewer, a record has no more.
+const FEWEST: f64 = 64.0;
+const MOST: f64 = 2e6;
 /// How often the last run is repeated for comparison.
 const LONGER: usize = 3;
 
@@ -90,6 +93,8 @@ pub struct Design {
 pub enum Failure {
     /// There is nothing that may be driven, and no displacement from which it may be let go.
     NothingDrives,
+    /// A run of the stated duration has fewer or more samples than a record may have: the least and the longest (s).
+    Duration(f64, f64),
     /// No run can be made: why, and how often.
     Forbidden(Vec<(String, usize)>),
     /// No run of this model can be simulated.
@@ -107,6 +112,10 @@ impl fmt::Display for Failure {
         match self {
             Failure::NothingDrives => f.write_str(
                 "nothing of the rig may be driven or let go: name an input or a displacement in `limits`, as in `limits: { \"F\": (-5.0, 5.0), duration: 20.0 }`",
+            ),
+            Failure::Duration(least, most) => write!(
+                f,
+                "at the rate of the records a run takes {least:.3} to {most:.3e} s: change `duration` in `limits`"
             ),
             Failure::Forbidden(by) => {
                 let by: Vec<String> = by.iter().map(|(why, n)| format!("{why} (in {n})")).collect();
@@ -146,6 +155,10 @@ pub fn design(
     }
     if *aim != Aim::Separate && (0..first.numbers.len()).all(|k| first.std_error(k) == 0.0) {
         return Err(Failure::NothingOpen);
+    }
+    let (least, most) = (FEWEST * step(&first.like), MOST * step(&first.like));
+    if limits.duration.1 && !(least..=most).contains(&limits.duration.0) {
+        return Err(Failure::Duration(least, most));
     }
     let grid = grid(first, limits);
     if grid.is_empty() {

@@ -327,4 +327,20 @@ mod tests {
         );
         assert_eq!(fs::read_to_string(other.path().join("secret")).unwrap(), "s");
     }
+
+    #[test]
+    fn what_an_earlier_program_left_goes_after_a_day() {
+        let folder = tempfile::tempdir().unwrap();
+        for (name, hours) in
+            [(".a.csv.1-2-3.part", 25), (".b.csv.1-2-3.part", 1), (".c.csv", 25), ("d.part", 25)]
+        {
+            let file = File::create(folder.path().join(name)).unwrap();
+            file.set_modified(std::time::SystemTime::now() - Duration::from_secs(3600 * hours)).unwrap();
+        }
+        Working::open(folder.path()).unwrap();
+        let left = fs::read_dir(folder.path()).unwrap().flatten().map(|entry| entry.file_name());
+        let mut left: Vec<String> = left.map(|name| name.into_string().unwrap()).collect();
+        left.sort();
+        assert_eq!(left, [".b.csv.1-2-3.part", ".c.csv", "d.part"]);
+    }
 }

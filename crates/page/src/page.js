@@ -3,7 +3,7 @@ const $ = id => document.getElementById(id);
 // The address ends with the token, so that every request beside it has it.
 const base = location.pathname.replace(/[^/]*$/, "");
 const at = (path, query) => base + path + (query ? "?" + Object.entries(query).map(([k, v]) => k + "=" + encodeURIComponent(v)).join("&") : "");
-const page = { data: null, look: null, spec: null, saved: null, version: "", conflict: false, saving: Promise.resolve(), checked: 0, job: null, languages: [], ok: false, open: false, running: false, gone: false };
+const page = { data: null, look: null, spec: null, saved: null, version: "", conflict: false, saving: Promise.resolve(), checked: 0, job: null, asked: false, mine: null, languages: [], ok: false, open: false, running: false, gone: false };
 const isSpec = name => /\.ron$/i.test(name);
 
 async function ask(path, query, body, headers) {
@@ -245,7 +245,7 @@ const start = what => guarded(async () => {
 $("gap").onclick = start("gap");
 $("run").onclick = start("run");
 $("next").onclick = start("next");
-$("stop").onclick = guarded(() => ask("api/stop", {}, ""));
+$("stop").onclick = guarded(() => { page.asked = true; return ask("api/stop", {}, ""); });
 function working(job) {
   page.running = job.running;
   buttons();
@@ -266,6 +266,9 @@ const ended = guarded(async job => {
   const how = job.ended;
   await folder();
   if (how.lacks) tell(how.lacks);
+  // A signal, another tab or a limit may have stopped it; its report says what did.
+  if (how.stopped && page.asked) page.mine = how.result;
+  page.asked = false;
   if (how.result) return showResult(how.result);
   if (how.diagnostics) { mark(how.diagnostics); throw new Error("the spec has mistakes"); }
   throw new Error([how.error, how.help].filter(Boolean).join(" - "));
@@ -276,7 +279,7 @@ async function showResult(name) {
   $("answer-name").textContent = name;
   const next = result.runs !== undefined, gap = !next && result.status !== undefined;
   const finding = next ? "Measure next: " + result.sentence : gap ? findingOfGap(result) : result.verdict + (result.reason ? ": " + result.reason : "");
-  $("finding").textContent = result.stopped ? "Stopped by you; found so far: " + finding : finding;
+  $("finding").textContent = result.stopped ? (name === page.mine ? "Stopped by you" : "Stopped early") + "; found so far: " + finding : finding;
   $("gaps").replaceChildren(...(gap ? bars(result) : []));
   $("numbers").replaceChildren(...(next ? [] : [numbers(result, gap)]));
   const file = (path, words, query) => made("a", words, { href: at("results/" + encodeURIComponent(name) + "/" + path, query) });

@@ -2,7 +2,7 @@
 
 use crate::args::Options;
 use crate::interrupt;
-use crate::outdir::Results;
+use crate::outdir::{Results, unless_read};
 use crate::progress::watched;
 use crate::terminal::{INPUT, REJECTED, complain, print, tell_report};
 use anyhow::Result;
@@ -12,6 +12,8 @@ use std::path::PathBuf;
 
 /// Sets results beside each other; returns the exit code.
 pub(crate) fn compare(paths: &[PathBuf], options: &Options) -> Result<u8> {
+    interrupt::keeps_nothing();
+    options.out.iter().try_for_each(|out| paths.iter().try_for_each(|read| unless_read(out, read)))?;
     let folder = options.out.as_ref().map(|out| Results::prepare(out, &paths[0], options)).transpose()?;
     let request = options.request();
     let what = paths[0].display().to_string();

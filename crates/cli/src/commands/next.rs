@@ -18,6 +18,8 @@ pub(crate) fn next(path: &Path, narrow: Option<&str>, options: &Options) -> Resu
     let report = match report {
         Ok(report) => report,
         Err(_) if interrupt::requested() => {
+            // It is stopped before there is a run.
+            interrupt::keeps_nothing();
             interrupt::tell();
             return Ok(interrupt::code());
         }

@@ -3,7 +3,7 @@
 use crate::args::{OpenArgs, Options};
 use crate::interrupt;
 use crate::terminal::{print, remark};
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use phisindy::files::Request;
 use phisindy_page::Page;
 use std::io::{self, IsTerminal, Write};
@@ -48,8 +48,15 @@ fn place(path: Option<&Path>) -> Result<(PathBuf, Option<String>)> {
         return Ok((path.to_owned(), None));
     }
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let name = path.file_name().map(|n| n.to_string_lossy().into_owned());
-    Ok((folder.to_owned(), name))
+    let name = path.file_name().unwrap_or_default();
+    // A browser asks for it by its name.
+    let Some(name) = name.to_str() else {
+        bail!(
+            "the name of `{}` is not UTF-8 text, and the page cannot ask for it: rename it",
+            path.display()
+        );
+    };
+    Ok((folder.to_owned(), Some(name.to_owned())))
 }
 
 /// A file that leads a browser to an address, until it is dropped. Only the user can read it, while every user

@@ -14,6 +14,7 @@ const SHOWN: usize = 12;
 
 /// Makes a result again and says what differs; returns the exit code.
 pub(crate) fn verify(folder: &Path, options: &Options) -> Result<u8> {
+    interrupt::keeps_nothing();
     let verified = watched(&folder.display().to_string(), options.quiet, |work| {
         made_again(folder, options.data.as_deref(), work)
     });

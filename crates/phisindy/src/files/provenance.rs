@@ -250,11 +250,14 @@ pub fn verify(folder: &Path, data: Option<&Path>, options: &Options<'_>) -> Resu
             .map_err(|why| format!("cannot read `{}`: {why}", folder.join(name).display()))
     };
     let (kept, result) = (read(SPEC)?, timeless(&read(RESULT)?));
+    if !result.is_object() {
+        return Err(format!("`{}` is damaged: make the result again", folder.join(RESULT).display()));
+    }
     let mut differences = Vec::new();
     if made.version != VERSION {
         differences.push(Difference::Version(made.version.clone()));
     }
-    if result["stopped"] != false {
+    if result["stopped"] == true {
         differences.push(Difference::Stopped);
     }
     if sha256(kept.as_bytes()) != made.kept {
