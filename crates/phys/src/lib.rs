@@ -33,7 +33,7 @@ pub use system::filter::{Filter, FilterKind, NotLinear};
 pub use system::model::Model;
 pub use system::note::Note;
 pub use system::plan::{Origin, RecordPlan, Synthetic, SyntheticInput};
-pub use system::record::{Derivation, Overlap, Record, Table, Units, link_continuations, overlaps};
+pub use system::record::{Derivation, Overlap, Record, Samples, Table, Units, link_continuations, overlaps};
 pub use system::requirement::Requirement;
 pub use system::sensor::{Sensor, SensorParameter};
 pub use text::diagnostic::{Diagnostic, Label, Located, Severity, Source, SourceId, Sources};

@@ -11,6 +11,7 @@ pub(crate) mod constants;
 pub(crate) mod equations;
 pub(crate) mod filter;
 mod lagrange;
+mod measured;
 pub(crate) mod model;
 pub(crate) mod note;
 pub(crate) mod plan;

@@ -14,7 +14,7 @@ use crate::refusal::Wanted;
 use crate::selection::{Admission, FEWEST, Selection, SelectionError};
 use phisindy_phys::spec::{CsvSpec, Spanned, Text};
 use phisindy_phys::unit::{Scale, Unit};
-use phisindy_phys::{Diagnostic, SourceId, Sources, Table, Units};
+use phisindy_phys::{Diagnostic, Samples, SourceId, Sources, Table, Units};
 use std::borrow::Cow;
 use std::ops::Range;
 
@@ -53,6 +53,7 @@ pub fn record(
         None => vec![],
     };
     let warnings = warnings.into_iter().chain(slower(csv, &lines, spec)).collect();
+    let own = own(csv, units, &lines, &layout, &header.names);
     let mut reader = Reader {
         csv,
         time: units.time.scale(),
@@ -85,7 +86,7 @@ pub fn record(
         return Err(vec![doubt]);
     }
     match selection.finish() {
-        Ok(table) => Ok((table, warnings)),
+        Ok(table) => Ok((Table { own, ..table }, warnings)),
         Err(e) => Err(vec![e.diagnostic(csv, mistakes.name, spec, lines.fraction_read())]),
     }
 }
@@ -155,6 +156,25 @@ fn slower(csv: &CsvSpec, lines: &Lines<'_>, spec: SourceId) -> Vec<Diagnostic> {
         d.help("let `time` name the times of the slowest state: of faster channels those between two samples are left out")
     };
     notes.iter().map(warning).collect()
+}
+
+/// The columns that have times of their own in the file, in SI by the same arithmetic as those of its rows.
+fn own(
+    csv: &CsvSpec,
+    units: &Units,
+    lines: &Lines<'_>,
+    layout: &Layout,
+    names: &[String],
+) -> Vec<Option<Samples>> {
+    let Some(sheet) = lines.sheet().filter(|sheet| !sheet.own.is_empty()) else { return vec![] };
+    let of = |j: usize| {
+        let own = sheet.own.iter().find(|own| own.name == names[layout.columns[j]])?;
+        let (time, column) = (units.time.scale(), units.columns[j].scale());
+        let samples = own.time.iter().zip(&own.values).filter(|(_, x)| x.is_finite());
+        let (time, values) = samples.map(|(t, x)| (time.converted(*t), column.converted(*x))).unzip();
+        Some(Samples { time, values })
+    };
+    (0..csv.columns.len()).map(of).collect()
 }
 
 struct Reader<'a> {

@@ -15,6 +15,7 @@ mod read;
 pub(crate) mod reader;
 mod record;
 mod size;
+mod stream;
 
 pub use energy::EnergySpec;
 pub use limits::LimitsSpec;
@@ -227,8 +228,10 @@ pub struct CsvSpec {
     pub time: ColumnSpec,
     /// `Rate(1000.0)` in the place of a column of time: rows per second.
     pub rate: Option<Number>,
-    /// States and inputs, and the columns that measure them.
+    /// States and inputs, and the columns that measure them; those of `streams` too.
     pub columns: Vec<(Text, ColumnSpec)>,
+    /// Those of the columns that have times of their own.
+    pub streams: Vec<StreamSpec>,
     /// Inputs that are computed.
     pub derive: Vec<(Text, DeriveSpec)>,
     /// Imperfections of the sensors.
@@ -264,6 +267,25 @@ pub struct CsvSpec {
     /// rows has it.
     pub detrend: Vec<(Text, Detrend)>,
     /// The whole record.
+    pub span: Span,
+}
+
+/// Where a column with times of its own stands.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StreamSpec {
+    /// The state, output or input.
+    pub name: Text,
+    /// Its file; None: that of the record.
+    pub path: Option<Text>,
+    /// As that of a record.
+    pub sheet: Option<Text>,
+    /// Its column of time; its heading is empty where a rate is given.
+    pub time: ColumnSpec,
+    /// `Rate(1000.0)` in the place of a column of time.
+    pub rate: Option<Number>,
+    /// Its column, which is one of those of the record too.
+    pub column: ColumnSpec,
+    /// The whole stream.
     pub span: Span,
 }
 

@@ -16,6 +16,7 @@ impl Reader<'_> {
             "name",
             "time",
             "columns",
+            "streams",
             "derive",
             "sensors",
             "rows",
@@ -37,10 +38,25 @@ impl Reader<'_> {
             true => self.fields(node, "`Table`", FIELDS)?,
             false => self.fields(node, "`Csv`", &FIELDS[1..])?,
         };
-        let path = self.required(&fields, "path", Self::words);
         let sheet = if any_format { self.optional(&fields, "sheet", Self::prose) } else { None };
-        let time = self.required(&fields, "time", Self::time);
-        let columns = self.required(&fields, "columns", |r, n| r.map(n, Self::column));
+        let stated = self.optional(&fields, "time", Self::time);
+        let (streams, of_record) = self.streams(&fields, any_format, stated.as_ref());
+        let path = match streams.iter().find_map(|s| s.path.clone()).filter(|_| !of_record.file) {
+            Some(first) => self.optional(&fields, "path", Self::words).or(Some(first)),
+            None => self.required(&fields, "path", Self::words),
+        };
+        let time = match streams.first().filter(|_| !of_record.time) {
+            _ if fields.get("time").is_some() => stated,
+            Some(first) => Some((first.time.clone(), first.rate.clone())),
+            None => self.required(&fields, "time", Self::time),
+        };
+        let mut columns = match streams.is_empty() {
+            true => self.required(&fields, "columns", |r, n| r.map(n, Self::column)),
+            false => self.optional(&fields, "columns", |r, n| r.map(n, Self::column)).or(Some(vec![])),
+        };
+        if let Some(columns) = &mut columns {
+            self.own_times(columns, &streams);
+        }
         let separator = self.optional(&fields, "separator", Self::character);
         let decimal = self.optional(&fields, "decimal", Self::character);
         self.different(separator.as_ref(), decimal.as_ref());
@@ -70,6 +86,7 @@ impl Reader<'_> {
             time,
             rate,
             columns: columns?,
+            streams,
             derive,
             sensors,
             rows,
@@ -114,6 +131,7 @@ impl Reader<'_> {
             time: ColumnSpec { header: here("t"), unit: None },
             rate: None,
             columns: columns?.into_iter().map(plain).collect(),
+            streams: vec![],
             derive,
             sensors,
             rows: vec![],
@@ -205,7 +223,7 @@ impl Reader<'_> {
     }
 
     /// A column, or `Rate(1000.0)` where the file has none of time.
-    fn time(&mut self, node: &Node) -> Option<(ColumnSpec, Option<Number>)> {
+    pub(super) fn time(&mut self, node: &Node) -> Option<(ColumnSpec, Option<Number>)> {
         if self.variant(node) != Some("Rate") {
             return self.column(node).map(|column| (column, None));
         }

@@ -1,0 +1,147 @@
+//! Records whose channels have clocks of their own. Data of an integrator that is not the program's.
+#![allow(missing_docs)]
+
+use crate::common::slider::Dice;
+use crate::common::{Outcome, Scratch, phisindy};
+use serde_json::Value;
+use std::f64::consts::TAU;
+use std::fmt::Write as _;
+use std::fs;
+
+const FRICTION: f64 = 1.2;
+
+/// What pushes: two tones, the faster one beyond what 30 samples a second show.
+fn push(t: f64) -> f64 {
+    4.0 * (TAU * 0.9 * t).sin() + 9.0 * (TAU * 13.0 * t).sin()
+}
+
+/// Places of 1.5 kg on 50 N/m with friction at each of these times, by steps of 10 us in which friction takes what it can
+/// of the speed (J. J. Moreau, Unilateral contact and dry friction in finite freedom dynamics, 1988).
+fn places(times: &[f64]) -> Vec<f64> {
+    let (h, m, k, c) = (1e-5, 1.5, 50.0, 0.5);
+    let [mut x, mut v, mut now] = [0.0_f64; 3];
+    let mut all = vec![];
+    for &t in times {
+        while now + h <= t {
+            let free = v + h * (push(now) - k * x - c * v) / m;
+            let most = h * FRICTION / m;
+            v = free - free.clamp(-most, most);
+            x += h * v;
+            now += h;
+        }
+        all.push(x + (t - now) * v);
+    }
+    all
+}
+
+/// So many samples a second, up to an end.
+fn times(rate: f64, seconds: f64) -> Vec<f64> {
+    (0..(rate * seconds) as usize).map(|k| k as f64 / rate).collect()
+}
+
+/// A camera at 30 Hz that stamps a frame late and by a clock that runs fast: `t_ms`, `x_mm`.
+fn camera(seconds: f64, late: f64, drift: f64, dice: &mut Dice) -> String {
+    let stamps = times(30.0, seconds);
+    let seen: Vec<f64> = stamps.iter().map(|t| t + drift * t - late).collect();
+    let mut text = "t_ms,x_mm\n".to_owned();
+    for (t, x) in stamps.iter().zip(places(&seen)) {
+        let _ = writeln!(text, "{},{}", 1e3 * t, 1e3 * (x + 2e-5 * dice.normal()));
+    }
+    text
+}
+
+/// A load cell at 1 kHz: `t_us`, `F_N`.
+fn cell(seconds: f64) -> String {
+    let mut text = "t_us;F_N\n".to_owned();
+    for t in times(1e3, seconds) {
+        let _ = writeln!(text, "{:.0};{}", 1e6 * t, push(t));
+    }
+    text
+}
+
+const CAMERA: &str = r#""x": (path: "camera.csv", time: ("t_ms", "ms"), column: ("x_mm", "mm"))"#;
+const CELL: &str = r#""F": (path: "cell.csv", time: ("t_us", "us"), column: ("F_N", "N"))"#;
+
+fn spec(record: &str) -> String {
+    format!(
+        r#"(
+    constants: {{ "m": (1.5, "kg"), "k": Find(start: 40.0, unit: "N/m", within: (5.0, 500.0)), "c": Find(start: 1.0, unit: "N*s/m", within: (0.0, 20.0)) }},
+    states: {{ "x": "m", "v": "m/s" }}, inputs: {{ "F": "N" }},
+    known: {{ "x": "v", "v": "(F - k*x - c*v)/m" }}, inertia: {{ "v": "m" }},
+    unknown: {{ "v": (factor: "-sgn(v)/m", candidates: ["1"]) }}, contacts: ["v"],
+    data: [ {record} ],
+)
+"#
+    )
+}
+
+/// Runs `command` on a record of these files.
+fn run(command: &str, name: &str, record: &str, files: &[(&str, &str)]) -> Outcome {
+    let scratch = Scratch::new(name);
+    files.iter().for_each(|(file, text)| fs::write(scratch.path(file), text).expect("a file"));
+    let path = scratch.path("case.ron");
+    fs::write(&path, spec(record)).expect("a spec");
+    phisindy(&[command, &path, "--format", "json", "--quiet"])
+}
+
+/// The friction of a result, and its standard error.
+fn friction(said: &Outcome) -> (f64, f64) {
+    let json: Value = serde_json::from_str(&said.out).unwrap_or_else(|_| panic!("{}\n{}", said.out, said.err));
+    let term = &json["terms"][0];
+    let number = |key: &str| term[key].as_f64().unwrap_or_else(|| panic!("{json:#}"));
+    (number("coefficient"), number("standard_error"))
+}
+
+#[test]
+fn each_stream_has_its_own_times() {
+    let mut dice = Dice::new(1);
+    let files = [("camera.csv", &*camera(12.0, 0.0, 0.0, &mut dice)), ("cell.csv", &*cell(12.0))];
+    let said = run("run", "streams", &format!("Csv(streams: {{ {CAMERA}, {CELL} }})"), &files);
+    let (found, error) = friction(&said);
+    assert!((found - FRICTION).abs() < 4.0 * error && error < 0.005, "{found} +- {error}\n{}", said.err);
+    // At the camera's frames alone the faster tone is not to be seen.
+    let of_camera = "Csv(path: \"camera.csv\", time: (\"t_ms\", \"ms\"), columns: { \"x\": (\"x_mm\", \"mm\") }, streams: { CELL })";
+    let again = run("run", "streams-rows", &of_camera.replace("CELL", CELL), &files);
+    assert_eq!(friction(&again), (found, error), "{}", again.err);
+}
+
+#[test]
+fn a_merged_file_has_two_streams() {
+    let mut dice = Dice::new(2);
+    let stamps = times(500.0, 12.0);
+    let mut text = "t_s,F_N,x_m\n".to_owned();
+    for (k, (t, x)) in stamps.iter().zip(places(&stamps)).enumerate() {
+        let x = if k % 16 == 3 { (x + 2e-5 * dice.normal()).to_string() } else { String::new() };
+        let force = if k % 2 == 1 { push(*t).to_string() } else { String::new() };
+        let _ = writeln!(text, "{t},{force},{x}");
+    }
+    let record = "Csv(path: \"log.csv\", time: (\"t_s\", \"s\"), streams: { \"x\": (column: \"x_m\"), \"F\": (column: \"F_N\") })";
+    let said = run("run", "streams-merged", record, &[("log.csv", &text)]);
+    let (found, error) = friction(&said);
+    assert!((found - FRICTION).abs() < 4.0 * error && error < 0.005, "{found} +- {error}\n{}", said.err);
+}
+
+#[test]
+fn what_is_wrong_with_a_stream_is_told() {
+    let mut dice = Dice::new(3);
+    let (seen, pushed) = (camera(3.0, 0.0, 0.0, &mut dice), cell(3.0));
+    let back = pushed.replace("\n1500000;", "\n500;");
+    let record = |camera: &str, cell: &str| format!("Csv(streams: {{ {camera}, {cell} }})");
+    let late = CELL.replace("\"us\"", "\"ms\"");
+    let far = pushed.replace('\n', "\n9").replace("\n9t_us", "\nt_us").trim_end_matches('9').to_owned();
+    for (record, cell, what) in [
+        (record(CAMERA, CELL), &back, "time does not increase"),
+        (record(CAMERA, &late.replace("\"cell.csv\"", "\"cell.csv\"")), &far, "no time lies in both"),
+        (record(CAMERA, &CELL.replace("F_N", "f_N")), &pushed, "no column `f_N`"),
+        (record(CAMERA, &CELL.replace("\"F\"", "\"G\"")), &pushed, "unknown state, output or input in `columns` `G`"),
+        (record(CAMERA, &CELL.replace("\"us\"", "\"m\"")), &pushed, "`m` is no unit of time"),
+        (record(CAMERA, &CELL.replace("cell.csv", "../cell.csv")), &pushed, "leads out of the data folder"),
+        (record(CAMERA, &CELL.replace("cell.csv", "cells.csv")), &pushed, "there is no data file `cells.csv`"),
+        (record(CAMERA, &CELL.replace("time: (\"t_us\", \"us\"), ", "")), &pushed, "the field `time` of a stream is missing"),
+        (record(&format!("{CAMERA}, {CAMERA}"), CELL), &pushed, "the key `x` stands here twice"),
+        (record(CAMERA, CELL).replace("Csv(", "Csv(columns: { \"F\": \"F_N\" }, time: \"t\", path: \"cell.csv\", "), &pushed, "`F` stands in `columns` and in `streams`"),
+    ] {
+        let said = run("run", "streams-wrong", &record, &[("camera.csv", &seen), ("cell.csv", cell)]);
+        assert!(said.code == 2 && said.err.contains(what), "{record}: {} {}", said.code, said.err);
+    }
+}
