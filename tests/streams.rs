@@ -86,10 +86,11 @@ fn run(command: &str, name: &str, record: &str, files: &[(&str, &str)]) -> Outco
 
 /// The friction of a result, and its standard error.
 fn friction(said: &Outcome) -> (f64, f64) {
-    let json: Value = serde_json::from_str(&said.out).unwrap_or_else(|_| panic!("{}\n{}", said.out, said.err));
-    let term = &json["terms"][0];
+    let json: Value =
+        serde_json::from_str(&said.out).unwrap_or_else(|_| panic!("{}\n{}", said.out, said.err));
+    let term = &json["equations"][0]["terms"][0];
     let number = |key: &str| term[key].as_f64().unwrap_or_else(|| panic!("{json:#}"));
-    (number("coefficient"), number("standard_error"))
+    (number("coefficient"), number("std_error"))
 }
 
 #[test]
@@ -133,15 +134,121 @@ fn what_is_wrong_with_a_stream_is_told() {
         (record(CAMERA, CELL), &back, "time does not increase"),
         (record(CAMERA, &late.replace("\"cell.csv\"", "\"cell.csv\"")), &far, "no time lies in both"),
         (record(CAMERA, &CELL.replace("F_N", "f_N")), &pushed, "no column `f_N`"),
-        (record(CAMERA, &CELL.replace("\"F\"", "\"G\"")), &pushed, "unknown state, output or input in `columns` `G`"),
+        (
+            record(CAMERA, &CELL.replace("\"F\"", "\"G\"")),
+            &pushed,
+            "unknown state, output or input in `columns` `G`",
+        ),
         (record(CAMERA, &CELL.replace("\"us\"", "\"m\"")), &pushed, "`m` is no unit of time"),
         (record(CAMERA, &CELL.replace("cell.csv", "../cell.csv")), &pushed, "leads out of the data folder"),
-        (record(CAMERA, &CELL.replace("cell.csv", "cells.csv")), &pushed, "there is no data file `cells.csv`"),
-        (record(CAMERA, &CELL.replace("time: (\"t_us\", \"us\"), ", "")), &pushed, "the field `time` of a stream is missing"),
+        (
+            record(CAMERA, &CELL.replace("cell.csv", "cells.csv")),
+            &pushed,
+            "there is no data file `cells.csv`",
+        ),
+        (
+            record(CAMERA, &CELL.replace("time: (\"t_us\", \"us\"), ", "")),
+            &pushed,
+            "the field `time` of a stream is missing",
+        ),
         (record(&format!("{CAMERA}, {CAMERA}"), CELL), &pushed, "the key `x` stands here twice"),
-        (record(CAMERA, CELL).replace("Csv(", "Csv(columns: { \"F\": \"F_N\" }, time: \"t\", path: \"cell.csv\", "), &pushed, "`F` stands in `columns` and in `streams`"),
+        (
+            record(CAMERA, CELL)
+                .replace("Csv(", "Csv(columns: { \"F\": \"F_N\" }, time: \"t\", path: \"cell.csv\", "),
+            &pushed,
+            "`F` stands in `columns` and in `streams`",
+        ),
     ] {
         let said = run("run", "streams-wrong", &record, &[("camera.csv", &seen), ("cell.csv", cell)]);
         assert!(said.code == 2 && said.err.contains(what), "{record}: {} {}", said.code, said.err);
     }
+}
+
+/// A number of a sensor in a result, and its standard error.
+fn sensor(said: &Outcome, name: &str) -> (f64, f64) {
+    let json: Value = serde_json::from_str(&said.out).unwrap_or_else(|_| panic!("{}\n{}", said.out, said.err));
+    let all = json["parameters"].as_array().unwrap_or_else(|| panic!("{json:#}"));
+    let own = all.iter().find(|p| p["name"] == name).unwrap_or_else(|| panic!("{json:#}"));
+    let number = |key: &str| own[key].as_f64().unwrap_or_else(|| panic!("{json:#}"));
+    (number("value"), number("std_error"))
+}
+
+#[test]
+fn the_offset_and_the_drift_of_a_clock_are_found() {
+    let mut dice = Dice::new(4);
+    let (late, drift) = (0.037, 50e-6);
+    let files =
+        [("camera.csv", &*camera(40.0, late, drift, &mut dice)), ("cell.csv", &*cell(40.0))];
+    let record = |sensors: &str| format!("Csv(streams: {{ {CAMERA}, {CELL} }}, sensors: {{ {sensors} }})");
+    let find = |delay: &str, clock: &str| {
+        format!("(delay: Find(start: 0.0, within: {delay}), clock: Find(start: 0.0, within: {clock}))")
+    };
+    let of_camera = find("(-0.2, 0.2)", "(-1e-3, 1e-3)");
+    let said = run("run", "streams-clock", &record(&format!("\"x\": {of_camera}")), &files);
+    let ((found, error), (delay, of_delay), (clock, of_clock)) =
+        (friction(&said), sensor(&said, "x.delay"), sensor(&said, "x.clock"));
+    assert!((found - FRICTION).abs() < 4.0 * error && error < 0.005, "{found} +- {error}\n{}", said.err);
+    assert!((delay - late).abs() < 4.0 * of_delay && of_delay < 1e-3, "{delay} +- {of_delay}");
+    assert!((clock - drift).abs() < 4.0 * of_clock && of_clock < 2e-5, "{clock} +- {of_clock}");
+    // The clock of the load cell is as much too early and too slow: nearly the same numbers, the other way round.
+    let of_cell = find("(-0.2, 0.2)", "(-1e-3, 1e-3)");
+    let again = run("run", "streams-clock-input", &record(&format!("\"F\": {of_cell}")), &files);
+    let ((delay, of_delay), (clock, of_clock)) = (sensor(&again, "F.delay"), sensor(&again, "F.clock"));
+    assert!((delay + late).abs() < 4.0 * of_delay && of_delay < 1e-3, "{delay} +- {of_delay}");
+    assert!((clock + drift).abs() < 4.0 * of_clock && of_clock < 2e-5, "{clock} +- {of_clock}");
+}
+
+#[test]
+fn counts_that_begin_anew_are_an_angle() {
+    // A rotor that turns on, 4096 counts a turn, read at 500 Hz.
+    let rate = |t: f64| 30.0 * t + 4.0 * (3.0 * t).sin();
+    let mut text = "t,enc\n".to_owned();
+    for t in times(500.0, 4.0) {
+        let _ = writeln!(text, "{t},{}", (rate(t) / TAU * 4096.0).round().rem_euclid(4096.0));
+    }
+    let scratch = Scratch::new("streams-counts");
+    fs::write(scratch.path("rotor.csv"), &text).expect("a file");
+    let simulated = |sensor: &str| {
+        let path = scratch.path("case.ron");
+        let spec = format!(
+            r#"(states: {{ "q": "rad", "w": "rad/s" }}, known: {{ "q": "w", "w": "-a*sin(3*t)" }}, unknown: {{}}, constants: {{ "a": Find(start: 20.0, within: (0.0, 90.0)) }},
+                data: [ Csv(path: "rotor.csv", time: "t", columns: {{ "q": "enc" }}, sensors: {{ "q": {sensor} }}) ])"#
+        );
+        fs::write(&path, spec).expect("a spec");
+        phisindy(&["run", &path, "--format", "json", "--quiet"])
+    };
+    let said = simulated("(per: (\"rev\", 4096), unwrap: \"2*pi\")");
+    assert_eq!(said.code, 0, "{}\n{}", said.out, said.err);
+    for (sensor, what) in [
+        ("(per: (\"rev\", 4096), quantum: 1e4)", "the quantum of `q` is larger than what it shows"),
+        ("(per: (\"rev\", 0))", "expected a number greater than zero"),
+        ("(per: (\"kg\", 4096))", "cannot be converted to `rad`"),
+        ("(unwrap: \"2*q\")", "`2*q` is no turn"),
+        ("(quantum: (0.1, \"mm\"))", "the quantum of `q`"),
+    ] {
+        let said = simulated(sensor);
+        assert!(said.code == 2 && said.err.contains(what), "{sensor}: {} {}", said.code, said.err);
+    }
+}
+
+#[test]
+fn a_draft_of_a_merged_log_has_streams() {
+    let mut dice = Dice::new(5);
+    let stamps = times(500.0, 12.0);
+    let mut text = "t_s,F_N,x_m\n".to_owned();
+    for (k, (t, x)) in stamps.iter().zip(places(&stamps)).enumerate() {
+        let x = if k % 16 == 3 { (x + 2e-5 * dice.normal()).to_string() } else { String::new() };
+        let force = if k % 2 == 1 { push(*t).to_string() } else { String::new() };
+        let _ = writeln!(text, "{t},{force},{x}");
+    }
+    let scratch = Scratch::new("streams-draft");
+    let (data, draft) = (scratch.path("log.csv"), scratch.path("case.ron"));
+    fs::write(&data, &text).expect("a file");
+    let said = phisindy(&["new", &data, "--out", &draft]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    let spec = fs::read_to_string(&draft).expect("a draft");
+    let streams = r#"streams: { "x": (column: ("x_m", "m")), "F": (column: ("F_N", "N")) }"#;
+    assert!(spec.contains(streams), "{spec}");
+    assert!(said.err.contains("`F_N` in 3000, `x_m` in 375"), "{}", said.err);
+    assert_eq!(phisindy(&["check", &draft]).code, 0);
 }

@@ -229,7 +229,11 @@ fn joined(mut rates: Vec<Rate>, base: usize, wanted: &Wanted<'_>) -> Result<Join
             let values = match &rate.columns[k].values {
                 Values::Numbers(x) => {
                     if matches!(wanted, Wanted::Record(_)) {
-                        own_times.push(OwnTimes { name: name.clone(), time: from.to_vec(), values: x.clone() });
+                        own_times.push(OwnTimes {
+                            name: name.clone(),
+                            time: from.to_vec(),
+                            values: x.clone(),
+                        });
                     }
                     Values::Numbers(on_straight_lines(from, x, to))
                 }

@@ -153,10 +153,25 @@ impl Signal {
         Ok(Self { before: Some(Arc::new(before)), ..self })
     }
 
-    /// The signal shifted to times earlier by `by`.
-    pub fn earlier(&self, by: f64) -> Signal {
-        let before = self.before.as_ref().map(|before| Arc::new(before.earlier(by)));
-        Signal { time: self.time.iter().map(|t| t - by).collect(), before, ..self.clone() }
+    /// The signal by another clock: what was at `t` is at `pace * t + shift`.
+    ///
+    /// ```
+    /// use std::sync::Arc;
+    /// use phisindy_signal::{Interpolation, Signal};
+    ///
+    /// let ramp = Signal::new(Arc::from([0.0, 1.0, 2.0, 3.0]), vec![0.0, 1.0, 2.0, 3.0], Interpolation::Cubic)?;
+    /// let slower = ramp.retimed(2.0, 1.0);
+    /// assert_eq!((slower.value(4.0), slower.slope(4.0)), (1.5, 0.5));
+    /// # Ok::<(), phisindy_signal::SignalError>(())
+    /// ```
+    pub fn retimed(&self, pace: f64, shift: f64) -> Signal {
+        Signal {
+            time: self.time.iter().map(|t| pace * t + shift).collect(),
+            slopes: self.slopes.iter().map(|s| s / pace).collect(),
+            before: self.before.as_ref().map(|before| Arc::new(before.retimed(pace, shift))),
+            values: self.values.clone(),
+            kind: self.kind,
+        }
     }
 
     /// The time grid.

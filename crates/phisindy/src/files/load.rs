@@ -421,7 +421,8 @@ impl<'r> Loader<'r> {
                 Some(table) => table.read(csv, units, self.source, self.sources),
                 None => folders::read(csv, units, &places[k], self.source, self.sources),
             };
-            let tables = parts.iter().enumerate().map(|(k, part)| read(k, part)).collect::<Result<Vec<_>, _>>()?;
+            let tables =
+                parts.iter().enumerate().map(|(k, part)| read(k, part)).collect::<Result<Vec<_>, _>>()?;
             streams::joined(csv, &parts, tables, self.source)
         };
         let mut read = rows(csv);

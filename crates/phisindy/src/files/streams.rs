@@ -127,7 +127,8 @@ fn overlap(
     if from < to {
         return Ok((from, to));
     }
-    let name = |p: usize| parts[p].stream.as_ref().map_or("the rows".to_owned(), |name| format!("`{}`", name.value));
+    let name =
+        |p: usize| parts[p].stream.as_ref().map_or("the rows".to_owned(), |name| format!("`{}`", name.value));
     let span = |p: usize| parts[p].stream.as_ref().map_or(csv.path.span, |name| name.span);
     let told = |p: usize| format!("its times run from {} s to {} s", ends[p].0, ends[p].1);
     let message = format!("{} ends before {} begins: no time lies in both", name(earliest), name(latest));

@@ -68,7 +68,8 @@ impl Measured {
             let time: Vec<f64> = self.before.time.iter().chain(self.time.iter()).copied().collect();
             let all: Vec<f64> = self.before.values.iter().chain(&self.values).copied().collect();
             let d = of(&time, &all)?;
-            let lead = |values: &[f64]| Samples { time: time[..lead].to_vec(), values: values[..lead].to_vec() };
+            let lead =
+                |values: &[f64]| Samples { time: time[..lead].to_vec(), values: values[..lead].to_vec() };
             (smooth, slope) = (lead(&d.values), lead(&d.derivative));
         }
         let with = |values, before| Measured { time: self.time.clone(), values, before };

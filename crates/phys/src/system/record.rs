@@ -2,14 +2,16 @@
 
 use crate::system::constants::Value;
 use crate::system::equations::System;
+use crate::system::measured::Measured;
 use crate::system::note::Note;
 use crate::system::plan::{Origin, RecordPlan};
 use crate::system::sensor::Sensor;
 use crate::text::diagnostic::{Diagnostic, SourceId};
 use crate::text::spec::{ColumnSpec, CsvSpec, Role, Text};
 use crate::units::unit::Unit;
-use crate::system::measured::Measured;
-use phisindy_signal::{Differentiator, Signal, SignalError, differentiate, mean_step};
+use phisindy_signal::{
+    Differentiator, Signal, SignalError, bounds, differentiate, mean_step, rounding_error,
+};
 use std::borrow::Cow;
 use std::fmt;
 use std::sync::Arc;
@@ -155,6 +157,14 @@ impl Record {
         self.time.iter().map(|&t| signal.value_and_slope(t, &mut near).0).collect()
     }
 
+    /// Standard deviation of the rounding of a column, by the step that its sensor states or that it shows; 0
+    /// without a column.
+    pub fn rounding(&self, column: usize) -> f64 {
+        let Some(values) = &self.columns[column] else { return 0.0 };
+        let stated = self.sensors[column].quantum.map(|step| step / f64::sqrt(12.0));
+        stated.unwrap_or_else(|| rounding_error(values))
+    }
+
     /// Number of measured values: samples of all columns of states and outputs.
     pub fn readings(&self) -> usize {
         self.len() * self.columns.iter().flatten().count()
@@ -174,6 +184,7 @@ impl Record {
             return Err(vec![Diagnostic::error("a synthetic record has no file")]);
         };
         enough(csv, table, spec).map_err(|d| vec![d])?;
+        finer(csv, table, plan, system, spec).map_err(|d| vec![d])?;
         let time: Arc<[f64]> = table.time.as_slice().into();
         let column = |name: &str| -> Option<Vec<f64>> {
             let k = csv.columns.iter().position(|(n, _)| n.value == name)?;
@@ -182,9 +193,11 @@ impl Record {
         let own =
             |(k, (name, _)): (usize, (&str, &str))| column(name).filter(|_| system.column(name) == Some(k));
         let columns = system.quantities().take(system.columns()).enumerate().map(own).collect();
+        let since = table.extent.map_or(0.0, |(first, _)| first);
+        let sensors: Vec<Sensor> = plan.sensors.iter().map(|s| Sensor { since, ..s.clone() }).collect();
         let mut raw = Vec::new();
         for (k, input) in system.inputs.iter().enumerate() {
-            let sensor = &plan.sensors[system.columns() + k];
+            let sensor = &sensors[system.columns() + k];
             let place = csv.columns.iter().position(|(n, _)| n.value == input.name);
             let measured = place.map(|place| Measured::of(table, place, &time));
             let corrected = measured.map(|m| m.corrected(sensor, plan.interpolation[k])).transpose();
@@ -217,7 +230,7 @@ impl Record {
             columns,
             inputs,
             constants,
-            sensors: plan.sensors.clone(),
+            sensors,
             start: plan.start.clone(),
             continues: None,
             sizes: vec![],
@@ -293,6 +306,33 @@ fn enough(csv: &CsvSpec, table: &Table, spec: SourceId) -> Result<(), Diagnostic
         d = d.help("each of them is the mean of as many rows as `decimate` says: a record needs at least 10");
     }
     Err(d)
+}
+
+/// Refuses a column that moves by less than its sensor's step: it shows no motion.
+fn finer(
+    csv: &CsvSpec,
+    table: &Table,
+    plan: &RecordPlan,
+    system: &System,
+    spec: SourceId,
+) -> Result<(), Diagnostic> {
+    for (name, sensor) in &csv.sensors {
+        let place = csv.columns.iter().position(|(n, _)| n.value == name.value);
+        let (Some((step, _)), Some(place)) = (&sensor.quantum, place) else { continue };
+        let own = system.sensor(&name.value).and_then(|k| plan.sensors[k].quantum).unwrap_or(0.0);
+        let (low, high) = bounds(&table.columns[place]);
+        if own > high - low {
+            let message = format!(
+                "the quantum of `{}` is larger than what it shows: its column moves by {:?} (SI), which is less than one step",
+                name.value,
+                high - low
+            );
+            return Err(Diagnostic::error(message)
+                .at(spec, step.span, "a step of the column")
+                .help("is it in the unit of the column? A plain number is in SI: write (0.1, \"mm\"), or leave it out"));
+        }
+    }
+    Ok(())
 }
 
 /// Whether two records show the same run of the same file, whatever their windows: the same rows, and a state

@@ -305,6 +305,14 @@ pub struct SensorSpec {
     pub gain: Option<SensorValue>,
     /// How late the column is, in seconds unless a unit is given.
     pub delay: Option<SensorValue>,
+    /// By which part of itself a second of the sensor's clock is too short.
+    pub clock: Option<SensorValue>,
+    /// The step of the column, and the unit that is written beside it; None: seen from the data.
+    pub quantum: Option<(Number, Option<Text>)>,
+    /// The unit of a column of counts: `rev/4096`.
+    pub per: Option<Text>,
+    /// After how much the column begins anew (SI).
+    pub unwrap: Option<Number>,
     /// What takes the high frequencies off the column.
     pub lowpass: Option<FilterSpec>,
     /// What takes the constant part and the low frequencies off the column.

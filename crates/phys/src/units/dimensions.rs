@@ -375,6 +375,7 @@ impl<'s> Survey<'s> {
                 ("offset", self.of(name), &sensor.offset),
                 ("delay", second.clone(), &sensor.delay),
                 ("gain", plain.clone(), &sensor.gain),
+                ("clock", plain.clone(), &sensor.clock),
             ];
             for (what, due, value) in values {
                 let what = format!("the {what} of `{}`", name.value);
@@ -383,6 +384,9 @@ impl<'s> Survey<'s> {
                     Some(SensorValue::Constant(constant)) => self.named_as(&what, due, constant),
                     _ => {}
                 }
+            }
+            if let Some((_, Some(unit))) = &sensor.quantum {
+                self.stated_as(&format!("the quantum of `{}`", name.value), self.of(name), Some(unit));
             }
             for filter in sensor.lowpass.iter().chain(&sensor.highpass) {
                 // The units of other cutoffs are looked at where they are read.

@@ -23,7 +23,8 @@ impl Checker {
                     .push("name the file alone, and its folder with --data".into());
             }
         }
-        let times = [&csv.time].into_iter().chain(csv.streams.iter().map(|s| &s.time).filter(|t| **t != csv.time));
+        let times =
+            [&csv.time].into_iter().chain(csv.streams.iter().map(|s| &s.time).filter(|t| **t != csv.time));
         for unit in times.filter_map(|time| time.unit.as_ref()) {
             let theirs = self.unit(unit).dimension;
             if theirs != Dimension::SECOND {

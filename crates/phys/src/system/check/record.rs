@@ -47,7 +47,11 @@ impl Checker {
                 self.unknown_name(&name.value, name.span, "column in `sensors`", &quantity_names(system));
                 continue;
             };
-            let slots = [(&sensor.offset, 0), (&sensor.gain, 1), (&sensor.delay, 2)];
+            if let Some((step, unit)) = &sensor.quantum {
+                let factor = unit.as_ref().map_or(1.0, |unit| self.unit(unit).factor);
+                all[index].quantum = Some(self.si(step, factor));
+            }
+            let slots = [(&sensor.offset, 0), (&sensor.gain, 1), (&sensor.delay, 2), (&sensor.clock, 3)];
             for (value, which) in slots {
                 let Some(value) = value else { continue };
                 let parameter = match value {
@@ -77,11 +81,7 @@ impl Checker {
                         }
                     }
                 };
-                let target = &mut all[index];
-                *[&mut target.offset, &mut target.gain, &mut target.delay]
-                    .into_iter()
-                    .nth(which)
-                    .expect("three sensor parameters") = parameter;
+                *all[index].parameters_mut()[which] = parameter;
             }
         }
         let n = system.columns();
