@@ -174,6 +174,40 @@ impl Signal {
         }
     }
 
+    /// The signal in another unit: `offset + gain * value`.
+    pub fn rescaled(&self, offset: f64, gain: f64) -> Signal {
+        Signal {
+            time: self.time.clone(),
+            values: self.values.iter().map(|x| offset + gain * x).collect(),
+            slopes: self.slopes.iter().map(|s| gain * s).collect(),
+            kind: self.kind,
+            before: self.before.as_ref().map(|before| Arc::new(before.rescaled(offset, gain))),
+        }
+    }
+
+    /// The slope of the cubic through the samples, as a signal. (What is held between samples has no slope there, but
+    /// moves all the same.)
+    ///
+    /// ```
+    /// use std::sync::Arc;
+    /// use phisindy_signal::{Interpolation, Signal};
+    ///
+    /// let ramp = Signal::new(Arc::from([2.0, 3.0, 4.0]), vec![2.0, 3.0, 4.0], Interpolation::Hold)?;
+    /// let known = ramp.preceded(&[0.0, 1.0], &[0.0, 1.0])?.rescaled(1.0, 3.0);
+    /// assert_eq!((known.value(1.5), known.value(2.5), known.rate().value(0.5)), (4.0, 7.0, 3.0));
+    /// # Ok::<(), phisindy_signal::SignalError>(())
+    /// ```
+    pub fn rate(&self) -> Signal {
+        let values = spline_slopes(&self.time, &self.values);
+        Signal {
+            time: self.time.clone(),
+            slopes: spline_slopes(&self.time, &values),
+            values,
+            kind: Interpolation::Cubic,
+            before: self.before.as_ref().map(|before| Arc::new(before.rate())),
+        }
+    }
+
     /// The time grid.
     pub fn time(&self) -> &Arc<[f64]> {
         &self.time

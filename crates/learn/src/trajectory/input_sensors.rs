@@ -41,23 +41,13 @@ impl InputSensors {
             Lateness { delay: delay.start, clock: clock.start, since }
         };
         let undone = records.iter().map(|r| inputs.iter().map(|&j| undone(r, j)).collect()).collect();
-        let through = |of: &Signal, values: Vec<f64>, kind: Interpolation| {
-            Signal::new(of.time().clone(), values, kind).unwrap_or_else(|_| of.clone())
-        };
         let column = |record: &Record, j: usize| {
-            let (own, sensor) = (&record.inputs[j], &record.sensors[columns + j]);
-            let (offset, gain) = (sensor.offset.start, sensor.gain.start);
-            through(own, own.values().iter().map(|u| offset + gain * u).collect(), own.kind())
-        };
-        let slope = |column: &Signal| {
-            // What is held between samples has no slope there, but moves all the same.
-            let smooth = through(column, column.values().to_vec(), Interpolation::Cubic);
-            let slopes = column.time().iter().map(|&t| smooth.slope(t)).collect();
-            through(column, slopes, Interpolation::Cubic)
+            let own = &record.sensors[columns + j];
+            record.inputs[j].rescaled(own.offset.start, own.gain.start)
         };
         let of_record = |r: &&Record| inputs.iter().map(|&j| column(r, j)).collect();
         let read: Vec<Vec<Signal>> = records.iter().map(of_record).collect();
-        let slopes = read.iter().map(|of| of.iter().map(slope).collect()).collect();
+        let slopes = read.iter().map(|of| of.iter().map(Signal::rate).collect()).collect();
         InputSensors { inputs, columns: read, slopes, undone, drifts }
     }
 

@@ -10,9 +10,10 @@ use crate::trajectory::input_sensors::InputSensors;
 use crate::trajectory::layout::{CLOCK, DELAY, Layout, Segment, Source};
 use crate::trajectory::noise::{ColumnNoise, least_noise};
 use phisindy_phys::{Record, System};
-use phisindy_signal::{noise_level_at, standard_deviation};
+use phisindy_signal::{Signal, mean_step, noise_level_at, standard_deviation};
 use phisindy_sim::{Automaton, Drive, Observer, Options, SimError, Stop, Trajectory, observe, simulate};
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// A least-squares problem for a choice of terms and records.
 pub(crate) struct Problem<'a> {
@@ -317,7 +318,7 @@ impl<'a> Problem<'a> {
 
     /// How a segment is simulated, with these derivatives.
     pub(crate) fn options(&self, segment: &Segment, sensitivities: Option<Vec<usize>>) -> Options {
-        let samples = segment.samples.1 - segment.samples.0;
+        let samples = self.samples(segment);
         Options {
             tolerance: self.tolerance,
             scale: self.scale.clone(),
@@ -377,7 +378,18 @@ impl<'a> Problem<'a> {
 
     /// Samples of the longest segment.
     pub(crate) fn longest_segment(&self) -> usize {
-        self.segments.iter().map(|s| s.samples.1 - s.samples.0).max().unwrap_or(0)
+        self.segments.iter().map(|s| self.samples(s)).max().unwrap_or(0)
+    }
+
+    /// Samples of a segment, or those of an input along it, which may have more of them: no step skips these.
+    fn samples(&self, segment: &Segment) -> usize {
+        let record = self.records[segment.record];
+        let own = segment.samples.1 - segment.samples.0;
+        let times = record.inputs.iter().map(Signal::time);
+        let times = times.filter(|time| time.len() > 1 && !Arc::ptr_eq(time, &record.time));
+        let finest = times.map(|time| mean_step(time)).fold(f64::INFINITY, f64::min);
+        let span = record.time[segment.samples.1 - 1] - record.time[segment.samples.0];
+        own.max((span / finest) as usize)
     }
 
     /// The most steps that a segment takes at `x`, tries included.

@@ -385,9 +385,6 @@ impl<'s> Survey<'s> {
                     _ => {}
                 }
             }
-            if let Some((_, Some(unit))) = &sensor.quantum {
-                self.stated_as(&format!("the quantum of `{}`", name.value), self.of(name), Some(unit));
-            }
             for filter in sensor.lowpass.iter().chain(&sensor.highpass) {
                 // The units of other cutoffs are looked at where they are read.
                 if let SensorValue::Constant(constant) = &filter.cutoff.0 {
