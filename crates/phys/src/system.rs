@@ -18,3 +18,4 @@ pub(crate) mod plan;
 pub(crate) mod record;
 pub(crate) mod requirement;
 pub(crate) mod sensor;
+pub(crate) mod table;

@@ -217,7 +217,7 @@ mod tests {
             columns.swap(i, j);
         }
         let table =
-            crate::system::record::Table { time: time.clone(), columns, lines: vec![], ..Default::default() };
+            crate::system::table::Table { time: time.clone(), columns, lines: vec![], ..Default::default() };
         let record = Record::from_table(&case.records[0], &table, &case.system, id).unwrap();
         let mut found = vec![];
         rates(&case.system, &record, &mut found);

@@ -1,7 +1,7 @@
 //! The samples of an input, in the window of its record and before it.
 
-use crate::system::record::{Samples, Table};
 use crate::system::sensor::Sensor;
+use crate::system::table::{Samples, Table};
 use crate::text::diagnostic::Diagnostic;
 use phisindy_signal::{Differentiator, Interpolation, Signal, SignalError, Smoothing, differentiate};
 use std::sync::Arc;
