@@ -26,6 +26,7 @@ mod records;
 mod reference;
 mod report;
 mod results;
+mod streams;
 mod structure;
 mod sweep;
 mod terminal;

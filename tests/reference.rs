@@ -70,6 +70,7 @@ fn every_field_is_in_the_reference_and_no_other() {
         ("an unknown part", case("", "\"x\": (wrong: 1)", "", "")),
         ("Csv", case("", "", "Csv(wrong: 1)", "")),
         ("Table", case("", "", "Table(wrong: 1)", "")),
+        ("a stream", case("", "", "Table(streams: { \"x\": (wrong: 1) })", "")),
         ("Arrays", case("", "", "Arrays(wrong: 1)", "")),
         ("Synthetic", record("wrong: 1")),
         ("a sensor", record("sensors: { \"x\": (wrong: 1) }")),

@@ -203,7 +203,7 @@ impl Limits {
         match self.inputs.iter().find(|(k, _)| *k == input) {
             Some((_, range)) => 0.0_f64.clamp(range.within.0, range.within.1),
             None if like.derivations.iter().any(|d| d.input == input) => 0.0,
-            None => like.inputs[input].values().iter().sum::<f64>() / like.len() as f64,
+            None => like.input_samples(input).iter().sum::<f64>() / like.len() as f64,
         }
     }
 

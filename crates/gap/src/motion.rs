@@ -21,6 +21,8 @@ pub(crate) struct Motion {
     pub(crate) numbers: Vec<f64>,
     /// Gain and offset of each column's sensor.
     pub(crate) sensors: Vec<(f64, f64)>,
+    /// Since when the clocks of the sensors drift (s).
+    pub(crate) since: f64,
     /// Period of the motion (s).
     pub(crate) period: f64,
     /// Whether it repeats from period to period.
@@ -60,7 +62,7 @@ impl Motion {
                 match part {
                     SensorPart::Gain => sensor.0 = p.estimate.value,
                     SensorPart::Offset => sensor.1 = p.estimate.value,
-                    SensorPart::Delay => {}
+                    SensorPart::Delay | SensorPart::Clock => {}
                 }
             }
         }
@@ -102,7 +104,8 @@ impl Motion {
         let period = strongest.map_or(step * samples as f64, |w| 2.0 * std::f64::consts::PI / w);
         let repeat = measured.and_then(|c| repeatability(record, c));
         let (period, periodic) = repeat.map_or((period, false), |r| (r.period, true));
-        Motion { time: record.time.to_vec(), states, inputs, slopes, numbers, sensors, period, periodic }
+        let (time, since) = (record.time.to_vec(), record.sensors.first().map_or(0.0, |s| s.since));
+        Motion { time, states, inputs, slopes, numbers, sensors, since, period, periodic }
     }
 
     pub(crate) fn samples(&self) -> usize {

@@ -5,9 +5,10 @@ use crate::columns::{Column, Columns};
 use crate::headings::{Heading, Quantity};
 use crate::listing::marked;
 use crate::refusal::{Refusal, Wanted};
-use crate::sheet::{Rows, Sheet};
+use crate::sheet::{OwnTimes, Rows, Sheet};
 use crate::time_column::is_named_time;
 use phisindy_phys::unit::Unit;
+use phisindy_signal::on_straight_lines;
 
 /// The column of time of channels that have a first time and a step.
 const TIME: &str = "time";
@@ -47,8 +48,8 @@ pub(crate) fn sheet(channels: Vec<Channel>, wanted: &Wanted<'_>) -> Result<Sheet
     let (channels, name) = chosen(channels, wanted.sheet())?;
     let rates = rates(named(channels));
     let base = base(&rates, wanted)?;
-    let (columns, notes) = joined(rates, base, wanted)?;
-    Ok(Sheet { name, others: vec![], notes, rows: Rows::Columns(columns) })
+    let Joined { columns, notes, own } = joined(rates, base, wanted)?;
+    Ok(Sheet { name, others: vec![], notes, own, rows: Rows::Columns(columns) })
 }
 
 /// The channels of the wanted group, without its name; the name if there are several groups.
@@ -172,10 +173,17 @@ fn slowness(times: &[f64]) -> f64 {
     span / times.len().saturating_sub(1).max(1) as f64
 }
 
+/// The columns of one rate, and those of others.
+struct Joined {
+    columns: Columns,
+    notes: Vec<String>,
+    own: Vec<OwnTimes>,
+}
+
 /// The columns of the base, and those of other rates at its times.
-fn joined(mut rates: Vec<Rate>, base: usize, wanted: &Wanted<'_>) -> Result<(Columns, Vec<String>), Refusal> {
+fn joined(mut rates: Vec<Rate>, base: usize, wanted: &Wanted<'_>) -> Result<Joined, Refusal> {
     let own = rates.remove(base);
-    let mut notes = vec![];
+    let (mut notes, mut own_times) = (vec![], vec![]);
     let needed = |name: &str| match wanted {
         Wanted::Record(csv) => {
             csv.columns.iter().any(|(_, c)| c.header.value == name)
@@ -217,11 +225,20 @@ fn joined(mut rates: Vec<Rate>, base: usize, wanted: &Wanted<'_>) -> Result<(Col
             notes.push(format!("{names}: taken at the times of the rows, between its neighbouring samples"));
         }
         for k in asked {
+            let Column { name, unit, .. } = &rate.columns[k];
             let values = match &rate.columns[k].values {
-                Values::Numbers(x) => Values::Numbers(interpolated(from, x, to)),
+                Values::Numbers(x) => {
+                    if matches!(wanted, Wanted::Record(_)) {
+                        own_times.push(OwnTimes {
+                            name: name.clone(),
+                            time: from.to_vec(),
+                            values: x.clone(),
+                        });
+                    }
+                    Values::Numbers(on_straight_lines(from, x, to))
+                }
                 Values::Words(_) => continue,
             };
-            let Column { name, unit, .. } = &rate.columns[k];
             further.push(Column { name: name.clone(), unit: unit.clone(), values });
         }
     }
@@ -235,23 +252,5 @@ fn joined(mut rates: Vec<Rate>, base: usize, wanted: &Wanted<'_>) -> Result<(Col
             }
         }
     }
-    Ok((Columns { columns, rows, first }, notes))
-}
-
-/// The column at other times, on the straight line between its neighbours; its own number where a time is its
-/// own.
-fn interpolated(from: &[f64], values: &[f64], to: &[f64]) -> Vec<f64> {
-    let mut k = 0;
-    let at = |t: &f64| {
-        while k + 2 < from.len() && from[k + 1] <= *t {
-            k += 1;
-        }
-        match from.get(k + 1) {
-            _ if *t == from[k] => values[k],
-            Some(next) if t == next => values[k + 1],
-            Some(next) => values[k] + (t - from[k]) / (next - from[k]) * (values[k + 1] - values[k]),
-            None => f64::NAN,
-        }
-    };
-    to.iter().map(at).collect()
+    Ok(Joined { columns: Columns { columns, rows, first }, notes, own: own_times })
 }

@@ -1,6 +1,7 @@
 //! The content of a spec for a data file: records, model and start values.
 
 use crate::headings::{COUNT, Heading, Quantity, factor};
+use crate::merged::thinned;
 use crate::question::{Answers, Counted, Question};
 use crate::records::{RecordDraft, Records};
 use crate::remarks::Remark;
@@ -56,6 +57,8 @@ pub struct Draft {
     pub remarks: Vec<Remark>,
     /// What the user has to say before a search.
     pub questions: Vec<Question>,
+    /// What is told of a merged log, whose channels have times of their own; its table holds the rows of one.
+    pub merged: Option<String>,
 }
 
 impl Draft {
@@ -77,6 +80,8 @@ impl Draft {
         let time = TimeColumn::find(&mut table, answers.rate).map_err(NoDraft::Time)?;
         let time = time.with_unit(&mut table, answers.time_unit.as_deref());
         let time = time.usable(&table).map_err(NoDraft::Time)?;
+        let merged = if time.reversals.is_empty() { thinned(&mut table, time.column) } else { None };
+        let time = if merged.is_some() { time.thinned(&table) } else { time };
         let runs = time.runs(table.rows());
         let longest = runs.iter().max_by_key(|r| r.len()).cloned().unwrap_or(0..table.rows());
         let times = &table.columns[time.column].values;
@@ -140,6 +145,7 @@ impl Draft {
             extent: (0.0, 0.0),
             remarks: vec![],
             questions,
+            merged,
             table,
         };
         draft.remarks = draft
@@ -209,7 +215,7 @@ impl Draft {
     fn of_the_file(&self) -> Vec<Remark> {
         let (sheets, notes) = (&self.table.other_sheets, &self.table.notes);
         let sheets = (!sheets.is_empty()).then(|| Remark::OtherSheets(sheets.clone()));
-        sheets.into_iter().chain(notes.iter().cloned().map(Remark::Note)).collect()
+        sheets.into_iter().chain(notes.iter().chain(&self.merged).cloned().map(Remark::Note)).collect()
     }
 
     /// A remark if the unit of the time is a guess.

@@ -22,6 +22,7 @@ mod format;
 mod headings;
 mod listing;
 mod matrix;
+mod merged;
 mod question;
 mod records;
 mod refusal;

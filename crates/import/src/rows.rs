@@ -16,6 +16,7 @@ mod mistakes;
 mod record;
 mod table;
 mod thousands;
+mod turns;
 
 pub(crate) use line::{Line, LineError};
 pub use record::record;

@@ -9,15 +9,12 @@ pub(crate) const FEWEST: usize = 10;
 /// Most samples of a record: a fit evaluates each of them about a thousand times.
 const MOST: usize = 2_000_000;
 
-/// Seconds before a window of which its inputs are read: as late as any sensor is taken for (`sensor-delay`).
-const LEAD: f64 = 1.0;
-
 /// Where a row lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Admission {
     /// In the record.
     Inside,
-    /// Shortly before its window.
+    /// Before its window.
     Before,
     /// Elsewhere.
     Outside,
@@ -75,13 +72,18 @@ impl<'a> Selection<'a> {
             return Admission::Inside;
         }
         // Means of rows have times of their own.
-        let lead = (from.value - LEAD..from.value).contains(&time) && self.csv.decimate.is_none();
+        let lead = time < from.value && self.csv.decimate.is_none();
         if lead && self.table.time.is_empty() { Admission::Before } else { Admission::Outside }
     }
 
-    /// Keeps a row shortly before the window; one whose time is not later ends what is known of it.
+    /// Keeps a row before the window; one whose time is not later ends what is known of it. Of too many the later
+    /// ones are kept.
     pub(crate) fn push_before(&mut self, time: f64, row: &[f64]) {
         let (times, columns) = &mut self.table.before;
+        if times.len() == MOST {
+            times.drain(..MOST / 2);
+            columns.iter_mut().for_each(|column| drop(column.drain(..MOST / 2)));
+        }
         if times.last().is_some_and(|last| time <= *last) {
             times.clear();
             columns.clear();

@@ -15,8 +15,18 @@ pub(crate) struct Sheet {
     pub(crate) others: Vec<String>,
     /// What was done to channels of other rates, for the user.
     pub(crate) notes: Vec<String>,
+    /// The channels of other rates that a record asks for, as they were sampled.
+    pub(crate) own: Vec<OwnTimes>,
     /// The rows.
     pub(crate) rows: Rows,
+}
+
+/// A channel with times of its own, in the units of the file.
+#[derive(Debug)]
+pub(crate) struct OwnTimes {
+    pub(crate) name: String,
+    pub(crate) time: Vec<f64>,
+    pub(crate) values: Vec<f64>,
 }
 
 /// The rows of a sheet.

@@ -326,6 +326,13 @@ impl TimeColumn {
         }
     }
 
+    /// The same column of a table of which some rows are left.
+    pub(crate) fn thinned(self, table: &Table) -> TimeColumn {
+        let TimeColumn { step, jitter, gaps, repeats, reversals, .. } =
+            TimeColumn::of(self.column, &table.columns[self.column].values, self.guessed);
+        TimeColumn { step, jitter, gaps, repeats, reversals, ..self }
+    }
+
     /// Assigns a unit to a time column: the one that the user says; else, where the heading gives none or one
     /// that makes no record, the one that the rate in the header says, or that the numbers say.
     pub(crate) fn with_unit(self, table: &mut Table, said: Option<&str>) -> TimeColumn {

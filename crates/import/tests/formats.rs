@@ -148,6 +148,10 @@ fn channels_with_rates_of_their_own_come_to_the_time_that_is_named() {
     for (k, column) in text.columns.iter().enumerate() {
         assert_eq!(bits(&slow.columns[k]), bits(&column.iter().copied().step_by(2).collect::<Vec<_>>()));
     }
+    // As an input the fast one acts with all its samples.
+    let own = slow.own[1].as_ref().expect("samples of its own");
+    assert_eq!((bits(&own.values), own.time.len()), (bits(&text.columns[1]), text.time.len()));
+    assert!(slow.own[0].is_none());
     // The other way round numbers would be invented: that is told.
     let (fast, said) = read("rates.tdms", &fixture("rates.tdms"), &fields("time of F")).expect("a record");
     assert!(said.len() == 1 && said[0].contains("`x`: slower than the rows"), "{said:?}");

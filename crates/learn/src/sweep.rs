@@ -151,8 +151,9 @@ pub fn bound(
         .map(|(i, &r)| {
             (0..case.system.columns())
                 .map(|k| {
-                    let floor =
-                        problem.records[i].columns[k].as_deref().map_or(0.0, |c| least_noise(c, NOISE_FLOOR));
+                    let floor = problem.records[i].columns[k]
+                        .as_deref()
+                        .map_or(0.0, |c| least_noise(c, problem.records[i].rounding(k), NOISE_FLOOR));
                     let Origin::Synthetic(s) = &case.records[r].origin else {
                         return ColumnNoise { additive: floor, relative: 0.0 };
                     };

@@ -26,6 +26,7 @@ mod provenance;
 mod request;
 mod results;
 mod source;
+mod streams;
 mod trends;
 mod whole;
 

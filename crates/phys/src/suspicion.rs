@@ -262,7 +262,7 @@ mod tests {
         let (case, _) = crate::system::check::check(&spec, id).unwrap();
         let time = (0..x.len()).map(|i| 0.025 * i as f64).collect();
         let table =
-            crate::system::record::Table { time, columns: vec![x, v], lines: vec![], ..Default::default() };
+            crate::system::table::Table { time, columns: vec![x, v], lines: vec![], ..Default::default() };
         let record = Record::from_table(&case.records[0], &table, &case.system, id).unwrap();
         (case.system, record)
     }

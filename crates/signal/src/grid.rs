@@ -34,3 +34,25 @@ pub(crate) fn linear_resampled(time: &[f64], values: &[f64], step: f64, n: usize
     }
     even
 }
+
+/// Samples at other times that increase, on the straight line between two neighbours; exact where a time is that of a
+/// sample.
+///
+/// ```
+/// assert_eq!(phisindy_signal::on_straight_lines(&[0.0, 1.0, 3.0], &[0.0, 2.0, 6.0], &[0.5, 1.0, 2.0]), [1.0, 2.0, 4.0]);
+/// ```
+pub fn on_straight_lines(from: &[f64], values: &[f64], to: &[f64]) -> Vec<f64> {
+    let mut k = 0;
+    let at = |t: &f64| {
+        while k + 2 < from.len() && from[k + 1] <= *t {
+            k += 1;
+        }
+        match from.get(k + 1) {
+            _ if *t == from[k] => values[k],
+            Some(next) if t == next => values[k + 1],
+            Some(next) => values[k] + (t - from[k]) / (next - from[k]) * (values[k + 1] - values[k]),
+            None => f64::NAN,
+        }
+    };
+    to.iter().map(at).collect()
+}

@@ -153,10 +153,59 @@ impl Signal {
         Ok(Self { before: Some(Arc::new(before)), ..self })
     }
 
-    /// The signal shifted to times earlier by `by`.
-    pub fn earlier(&self, by: f64) -> Signal {
-        let before = self.before.as_ref().map(|before| Arc::new(before.earlier(by)));
-        Signal { time: self.time.iter().map(|t| t - by).collect(), before, ..self.clone() }
+    /// The signal by another clock: what was at `t` is at `pace * t + shift`.
+    ///
+    /// ```
+    /// use std::sync::Arc;
+    /// use phisindy_signal::{Interpolation, Signal};
+    ///
+    /// let ramp = Signal::new(Arc::from([0.0, 1.0, 2.0, 3.0]), vec![0.0, 1.0, 2.0, 3.0], Interpolation::Cubic)?;
+    /// let slower = ramp.retimed(2.0, 1.0);
+    /// assert_eq!((slower.value(4.0), slower.slope(4.0)), (1.5, 0.5));
+    /// # Ok::<(), phisindy_signal::SignalError>(())
+    /// ```
+    pub fn retimed(&self, pace: f64, shift: f64) -> Signal {
+        Signal {
+            time: self.time.iter().map(|t| pace * t + shift).collect(),
+            slopes: self.slopes.iter().map(|s| s / pace).collect(),
+            before: self.before.as_ref().map(|before| Arc::new(before.retimed(pace, shift))),
+            values: self.values.clone(),
+            kind: self.kind,
+        }
+    }
+
+    /// The signal in another unit: `offset + gain * value`.
+    pub fn rescaled(&self, offset: f64, gain: f64) -> Signal {
+        Signal {
+            time: self.time.clone(),
+            values: self.values.iter().map(|x| offset + gain * x).collect(),
+            slopes: self.slopes.iter().map(|s| gain * s).collect(),
+            kind: self.kind,
+            before: self.before.as_ref().map(|before| Arc::new(before.rescaled(offset, gain))),
+        }
+    }
+
+    /// The slope of the cubic through the samples, as a signal. (What is held between samples has no slope there, but
+    /// moves all the same.)
+    ///
+    /// ```
+    /// use std::sync::Arc;
+    /// use phisindy_signal::{Interpolation, Signal};
+    ///
+    /// let ramp = Signal::new(Arc::from([2.0, 3.0, 4.0]), vec![2.0, 3.0, 4.0], Interpolation::Hold)?;
+    /// let known = ramp.preceded(&[0.0, 1.0], &[0.0, 1.0])?.rescaled(1.0, 3.0);
+    /// assert_eq!((known.value(1.5), known.value(2.5), known.rate().value(0.5)), (4.0, 7.0, 3.0));
+    /// # Ok::<(), phisindy_signal::SignalError>(())
+    /// ```
+    pub fn rate(&self) -> Signal {
+        let values = spline_slopes(&self.time, &self.values);
+        Signal {
+            time: self.time.clone(),
+            slopes: spline_slopes(&self.time, &values),
+            values,
+            kind: Interpolation::Cubic,
+            before: self.before.as_ref().map(|before| Arc::new(before.rate())),
+        }
     }
 
     /// The time grid.

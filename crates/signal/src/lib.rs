@@ -31,7 +31,7 @@ pub use autocorrelation::{autocorrelation, effective_samples};
 pub use band::{integral, lowest_frequency, twice_integrated};
 pub use blocks::Blocks;
 pub use derivative::{Differentiated, Differentiator, Smoothing, automatic, differentiate};
-pub use grid::mean_step;
+pub use grid::{mean_step, on_straight_lines};
 pub use interpolate::{Interpolation, Signal, SignalError};
 pub use lines::{Line, strongest_line, strongest_lines, tone_share};
 pub use noise_level::quantum::{quantum, rounding_error};

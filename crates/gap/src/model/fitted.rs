@@ -11,7 +11,7 @@ use crate::whiteness::score;
 use phisindy_learn::{Calibration, Effort, FoundParameter, RecordFit, SegmentFit, calibrate, calibrate_from};
 use phisindy_phys::spec::Role;
 use phisindy_phys::{Parameter, Record};
-use phisindy_signal::{noise_level_at, rounding_error};
+use phisindy_signal::noise_level_at;
 use std::sync::Arc;
 
 /// A calibrated model.
@@ -160,7 +160,7 @@ impl Fitted {
                 own
             } else {
                 let level = noise_level_at(&self.model.records[r].time, residual);
-                grown.max(level).max(rounding_error(column)).max(f64::MIN_POSITIVE)
+                grown.max(level).max(self.model.records[r].rounding(k)).max(f64::MIN_POSITIVE)
             }
         };
         let none = vec![];

@@ -372,7 +372,8 @@ impl TrialModel {
             let p = &mut out.system.parameters[k];
             p.start = value.clamp(p.within.0, p.within.1);
             let start = p.start;
-            let read = |r: &Record| r.sensors.iter().any(|s| slots(s).iter().any(|p| p.shared == Some(k)));
+            let read =
+                |r: &Record| r.sensors.iter().any(|s| s.parameters().iter().any(|p| p.shared == Some(k)));
             // The smoothed records keep the sensors by which they were made.
             if !out.records.iter().any(read) {
                 continue;
@@ -380,7 +381,7 @@ impl TrialModel {
             // The start of an input's sensor says what its samples have undone already.
             let own = out.system.columns();
             for sensor in Arc::make_mut(&mut out.records).iter_mut().flat_map(|r| &mut r.sensors[..own]) {
-                for parameter in [&mut sensor.offset, &mut sensor.gain, &mut sensor.delay] {
+                for parameter in sensor.parameters_mut() {
                     if parameter.shared == Some(k) {
                         parameter.start = start;
                     }
@@ -493,10 +494,6 @@ fn body(system: &mut System, effect: &Effect, first: usize, j: usize, inertia: I
             on_base: false,
         },
     })
-}
-
-fn slots(sensor: &Sensor) -> [&SensorParameter; 3] {
-    [&sensor.offset, &sensor.gain, &sensor.delay]
 }
 
 fn record_constants(data: &DataSpec) -> &[(phisindy_phys::spec::Text, ConstantSpec)] {

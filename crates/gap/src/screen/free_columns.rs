@@ -5,7 +5,6 @@ use super::regression_data::{Base, RegressionData};
 use super::target::Target;
 use crate::evaluate::evaluated;
 use crate::model::TrialModel;
-use phisindy_phys::SensorParameter;
 use rayon::prelude::*;
 
 /// A movable constant of the model, whose column is projected out.
@@ -77,8 +76,8 @@ impl FreeColumns {
             for (r, data) in data.iter().enumerate() {
                 let mut rows = responses[r][p].clone();
                 let sensors = &model.records[of[r]].sensors;
-                for which in 0..3 {
-                    let read = |k: &usize| slots(&sensors[*k])[which].shared == Some(p);
+                for which in 0..4 {
+                    let read = |k: &usize| sensors[*k].parameters()[which].shared == Some(p);
                     let columns: Vec<usize> = (0..model.system.columns()).filter(read).collect();
                     if !columns.is_empty() {
                         let own = data.sensor(&columns, which);
@@ -107,7 +106,7 @@ impl FreeColumns {
         for (r, data) in data.iter().enumerate() {
             for k in 0..model.system.columns() {
                 let measured = data.rows.iter().any(|row| row.column == k);
-                for (which, p) in slots(&model.records[of[r]].sensors[k]).into_iter().enumerate() {
+                for (which, p) in model.records[of[r]].sensors[k].parameters().into_iter().enumerate() {
                     if p.within.is_some() && p.shared.is_none() && measured {
                         self.push(before, &data.sensor(&[k], which));
                     }
@@ -136,9 +135,4 @@ fn responses(base: &Base, data: &RegressionData) -> Vec<Vec<f64>> {
             rows
         })
         .collect()
-}
-
-/// Offset, gain, delay.
-fn slots(sensor: &phisindy_phys::Sensor) -> [&SensorParameter; 3] {
-    [&sensor.offset, &sensor.gain, &sensor.delay]
 }

@@ -290,7 +290,7 @@ impl RegressionData {
         (0..self.motion.samples()).step_by(self.stride).map(of).collect()
     }
 
-    /// The derivative of the readings by a sensor parameter of some columns: 0 offset, 1 gain, 2 delay.
+    /// The derivative of the readings by a sensor parameter of some columns: 0 offset, 1 gain, 2 delay, 3 clock.
     pub(super) fn sensor(&self, columns: &[usize], which: usize) -> Vec<f64> {
         let of = |row: &Row| -> Vec<f64> {
             let on = columns.contains(&row.column);
@@ -301,7 +301,8 @@ impl RegressionData {
                     // Proportional to the model's response; a column of the measured values themselves would
                     // explain everything.
                     1 => row.known[i],
-                    _ => -gain * self.slope(i, row),
+                    2 => -gain * self.slope(i, row),
+                    _ => gain * self.slope(i, row) * (self.motion.time[i] - self.motion.since),
                 };
                 if on { row.weight * change } else { 0.0 }
             })

@@ -260,7 +260,7 @@ impl Grid {
             line.iter().any(|cell| *cell != Cell::Empty).then_some((row as usize + 1, line))
         });
         let rows = rows.collect();
-        Sheet { name, others, notes: vec![], rows: Rows::Cells(rows) }
+        Sheet { name, others, notes: vec![], own: vec![], rows: Rows::Cells(rows) }
     }
 }
 

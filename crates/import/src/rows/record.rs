@@ -7,6 +7,7 @@ use super::line::{Line, LineError};
 use super::lines::Lines;
 use super::mistakes::{Mistakes, TimeCell};
 use super::thousands::Marks;
+use super::turns::Turns;
 use crate::clock::Clock;
 use crate::contradictions::{StatedColumn, swapped_columns, unit_contradiction};
 use crate::data_file::DataFile;
@@ -14,7 +15,7 @@ use crate::refusal::Wanted;
 use crate::selection::{Admission, FEWEST, Selection, SelectionError};
 use phisindy_phys::spec::{CsvSpec, Spanned, Text};
 use phisindy_phys::unit::{Scale, Unit};
-use phisindy_phys::{Diagnostic, SourceId, Sources, Table, Units};
+use phisindy_phys::{Diagnostic, Samples, SourceId, Sources, Table, Units};
 use std::borrow::Cow;
 use std::ops::Range;
 
@@ -53,6 +54,8 @@ pub fn record(
         None => vec![],
     };
     let warnings = warnings.into_iter().chain(slower(csv, &lines, spec)).collect();
+    let own = own(csv, units, &lines, &layout, &header.names);
+    let turns = csv.columns.iter().map(|(name, _)| Turns::of(csv, &name.value)).collect();
     let mut reader = Reader {
         csv,
         time: units.time.scale(),
@@ -66,6 +69,7 @@ pub fn record(
         marks: vec![Marks::default(); header.names.len()],
         selection: Selection::new(csv),
         values: Vec::with_capacity(csv.columns.len()),
+        turns,
         clock: Clock::default(),
         last: None,
         shortest: usize::MAX,
@@ -85,7 +89,7 @@ pub fn record(
         return Err(vec![doubt]);
     }
     match selection.finish() {
-        Ok(table) => Ok((table, warnings)),
+        Ok(table) => Ok((Table { own, ..table }, warnings)),
         Err(e) => Err(vec![e.diagnostic(csv, mistakes.name, spec, lines.fraction_read())]),
     }
 }
@@ -157,6 +161,28 @@ fn slower(csv: &CsvSpec, lines: &Lines<'_>, spec: SourceId) -> Vec<Diagnostic> {
     notes.iter().map(warning).collect()
 }
 
+/// The columns that have times of their own in the file, in SI by the same arithmetic as those of its rows.
+fn own(
+    csv: &CsvSpec,
+    units: &Units,
+    lines: &Lines<'_>,
+    layout: &Layout,
+    names: &[String],
+) -> Vec<Option<Samples>> {
+    let Some(sheet) = lines.sheet().filter(|sheet| !sheet.own.is_empty()) else { return vec![] };
+    let of = |j: usize| {
+        let own = sheet.own.iter().find(|own| own.name == names[layout.columns[j]])?;
+        let (time, column) = (units.time.scale(), units.columns[j].scale());
+        let samples = own.time.iter().zip(&own.values).filter(|(_, x)| x.is_finite());
+        let mut turns = Turns::of(csv, &csv.columns[j].0.value);
+        let mut unwrapped = |x: f64| turns.as_mut().map_or(x, |turns| turns.unwrapped(x));
+        let both = |(t, x): (&f64, &f64)| (time.converted(*t), unwrapped(column.converted(*x)));
+        let (time, values) = samples.map(both).unzip();
+        Some(Samples { time, values })
+    };
+    (0..csv.columns.len()).map(of).collect()
+}
+
 struct Reader<'a> {
     csv: &'a CsvSpec,
     /// Conversion of the time and of each column to SI.
@@ -174,6 +200,8 @@ struct Reader<'a> {
     selection: Selection<'a>,
     /// Buffer for the numbers of a row.
     values: Vec<f64>,
+    /// Of each column, if it begins anew after a turn.
+    turns: Vec<Option<Turns>>,
     /// For times of day in the column of time.
     clock: Clock,
     /// Time of the last row inside the window.
@@ -239,7 +267,8 @@ impl Reader<'_> {
         self.values.clear();
         for j in 0..self.columns.len() {
             let (_, x) = self.number(&line, &fields, self.layout.columns[j], self.columns[j])?;
-            self.values.push(x);
+            let turns = self.turns[j].as_mut();
+            self.values.push(turns.map_or(x, |turns| turns.unwrapped(x)));
         }
         let now = TimeCell { line, field, time };
         if let Some(before) = self.last.as_ref().filter(|before| time <= before.time) {
@@ -251,12 +280,15 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// Reads a row shortly before the window, if it holds numbers.
+    /// Reads a row before the window, if it holds numbers.
     fn row_before(&mut self, line: &Line, fields: &[Range<usize>], seconds: f64) {
         let read: Option<Vec<f64>> = (0..self.columns.len())
             .map(|j| Some(self.number(line, fields, self.layout.columns[j], self.columns[j]).ok()?.1))
             .collect();
-        if let Some(row) = read {
+        if let Some(mut row) = read {
+            for (x, turns) in row.iter_mut().zip(&mut self.turns) {
+                *x = turns.as_mut().map_or(*x, |turns| turns.unwrapped(*x));
+            }
             self.selection.push_before(seconds, &row);
         }
     }

@@ -20,9 +20,10 @@ pub(super) fn record(
     let (time, remark) = time(draft);
     let form = if draft.table.is_text { "Csv" } else { "Table" };
     let columns = columns(draft, notation).join(", ");
+    let form_of_columns = if draft.merged.is_some() { "streams" } else { "columns" };
     let _ = writeln!(
         text,
-        "        {form}(path: {path}, name: {name}, time: {time}, columns: {{ {columns} }},{remark}"
+        "        {form}(path: {path}, name: {name}, time: {time}, {form_of_columns}: {{ {columns} }},{remark}"
     );
     let mut fields = Vec::new();
     if let Input::Base(_) = draft.roles.input {
@@ -118,7 +119,10 @@ fn time(draft: &Draft) -> (String, String) {
 /// The states and inputs that have a column.
 fn columns(draft: &Draft, notation: &Notation) -> Vec<String> {
     let roles = &draft.roles;
-    let named = |name: &str, c: usize| format!("\"{name}\": {}", column(draft, c));
+    let named = |name: &str, c: usize| match draft.merged {
+        Some(_) => format!("\"{name}\": (column: {})", column(draft, c)),
+        None => format!("\"{name}\": {}", column(draft, c)),
+    };
     let displacement = roles.displacement.map(|c| named(notation.displacement, c));
     let velocity = roles.velocity.map(|c| named(notation.velocity, c));
     let acceleration = roles.acceleration.map(|c| named("a", c));

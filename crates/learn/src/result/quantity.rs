@@ -25,7 +25,7 @@ impl TermId {
     }
 }
 
-/// A property of a sensor: its column says `offset + gain * quantity(t - delay)`.
+/// A property of a sensor: its column says `offset + gain * quantity(t - delay + clock*t)`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SensorPart {
     /// Zero error, in the unit of the column.
@@ -34,11 +34,14 @@ pub enum SensorPart {
     Gain,
     /// Lateness in seconds.
     Delay,
+    /// The error of the rate of its clock.
+    Clock,
 }
 
 impl SensorPart {
     /// All of them, in the order in which the fit keeps them.
-    pub const ALL: [SensorPart; 3] = [SensorPart::Offset, SensorPart::Gain, SensorPart::Delay];
+    pub const ALL: [SensorPart; 4] =
+        [SensorPart::Offset, SensorPart::Gain, SensorPart::Delay, SensorPart::Clock];
 
     /// As the spec writes it.
     pub fn name(self) -> &'static str {
@@ -46,6 +49,7 @@ impl SensorPart {
             SensorPart::Offset => "offset",
             SensorPart::Gain => "gain",
             SensorPart::Delay => "delay",
+            SensorPart::Clock => "clock",
         }
     }
 
@@ -53,7 +57,7 @@ impl SensorPart {
     pub fn unit(self, column: &str) -> &str {
         match self {
             SensorPart::Offset => column,
-            SensorPart::Gain => "",
+            SensorPart::Gain | SensorPart::Clock => "",
             SensorPart::Delay => "s",
         }
     }

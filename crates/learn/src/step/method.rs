@@ -109,7 +109,7 @@ fn kept_fixed(system: &System, records: &[Record], optimiser: Optimiser) -> Vec<
         warnings.push(Warning::HeldConstants { optimiser, names });
     }
     let mut sensors = records.iter().flat_map(|r| &r.sensors);
-    if sensors.any(|s| [&s.offset, &s.gain, &s.delay].iter().any(|p| p.within.is_some())) {
+    if sensors.any(|s| s.parameters().iter().any(|p| p.within.is_some())) {
         warnings.push(Warning::HeldSensors);
     }
     warnings

@@ -35,10 +35,10 @@ pub(crate) fn step_row(record: &Record, from: usize, to: usize, length: Option<f
     let h = length.map_or(exact, |length| length.copysign(exact));
     let mut row = vec![record.time[from], h, 0.5 * h, h / 3.0, h / 6.0];
     row.extend(record.columns.iter().map(|c| c.as_ref().map_or(0.0, |c| c[from])));
-    row.extend(record.inputs.iter().map(|u| u.values()[from]));
+    row.extend((0..record.inputs.len()).map(|k| record.input_at(k, from)));
     let middle = 0.5 * (record.time[from] + record.time[to]);
     row.extend(record.inputs.iter().map(|u| u.value(middle)));
-    row.extend(record.inputs.iter().map(|u| u.values()[to]));
+    row.extend((0..record.inputs.len()).map(|k| record.input_at(k, to)));
     row
 }
 

@@ -138,8 +138,10 @@ impl<'a> Context<'a> {
     /// The noise of each column from its spectrum above the motion.
     pub(crate) fn spectral_noise(&self) -> Noise {
         let of = |r: usize, k: usize| {
-            let of = |c: &Vec<f64>| noise_level_at(&self.records[r].time, c).max(least_noise(c, NOISE_FLOOR));
-            let level = self.records[r].columns[k].as_ref().map_or(0.0, of);
+            let record = self.records[r];
+            let least = |c: &Vec<f64>| least_noise(c, record.rounding(k), NOISE_FLOOR);
+            let of = |c: &Vec<f64>| noise_level_at(&record.time, c).max(least(c));
+            let level = record.columns[k].as_ref().map_or(0.0, of);
             ColumnNoise { additive: level.max(f64::MIN_POSITIVE), relative: 0.0 }
         };
         (0..self.records.len()).map(|r| (0..self.system.columns()).map(|k| of(r, k)).collect()).collect()

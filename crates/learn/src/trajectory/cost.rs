@@ -275,15 +275,15 @@ impl Problem<'_> {
         Ok(total)
     }
 
-    /// The unknowns on which the run of a segment depends, and where the offset, gain and delay of each
-    /// column stand among them.
-    pub(crate) fn unknowns_of(&self, segment: &Segment) -> (Vec<usize>, Vec<[usize; 3]>) {
+    /// The unknowns on which the run of a segment depends, and where the offset, gain, delay and clock
+    /// of each column stand among them.
+    pub(crate) fn unknowns_of(&self, segment: &Segment) -> (Vec<usize>, Vec<[usize; 4]>) {
         let (n, r) = (self.system.states.len(), segment.record);
         // Columns of the sensitivities: start states, then the unknown ones among the model's parameters.
         let mut at: Vec<usize> = (segment.start..segment.start + n).collect();
         at.extend(self.sources(r).filter_map(|s| if let Source::Unknown(k) = s { Some(k) } else { None }));
         let columns = self.system.columns();
-        let mut sensor_slots = vec![[usize::MAX; 3]; columns];
+        let mut sensor_slots = vec![[usize::MAX; 4]; columns];
         for (k, sensor) in self.sensors[r][..columns].iter().enumerate() {
             for (which, source) in sensor.iter().enumerate() {
                 if let Source::Unknown(unknown) = *source {
@@ -365,7 +365,7 @@ impl Problem<'_> {
         (segment, samples, window): (&Segment, Range<usize>, usize),
         x: &[f64],
         weights: &[Vec<Vec<f64>>],
-        (sampled, sensor_slots): (&SampledRun, &[[usize; 3]]),
+        (sampled, sensor_slots): (&SampledRun, &[[usize; 4]]),
         misses: Vec<f64>,
         products: &mut Products,
     ) {
@@ -382,7 +382,8 @@ impl Problem<'_> {
                 let row = products.row(e);
                 let factor = weight * gain;
                 row.iter_mut().zip(sampled.sensitivities(i, k)).for_each(|(j, s)| *j = factor * s);
-                let [offset_at, gain_at, delay_at] = sensor_slots[k];
+                let [offset_at, gain_at, delay_at, clock_at] = sensor_slots[k];
+                let age = self.records[r].time[sample] - self.records[r].sensors[k].since;
                 if offset_at != usize::MAX {
                     row[offset_at] += weight;
                 }
@@ -391,6 +392,9 @@ impl Problem<'_> {
                 }
                 if delay_at != usize::MAX {
                     row[delay_at] -= weight * gain * rate;
+                }
+                if clock_at != usize::MAX {
+                    row[clock_at] += weight * gain * rate * age;
                 }
                 // Where the reading shows the other side of a jump, it tells the time of the event.
                 let beside = self.beside_jumps(segment, x, sampled, (sample, k), 1.0 / weight);
@@ -405,6 +409,9 @@ impl Problem<'_> {
                     if delay_at != usize::MAX {
                         row[delay_at] += per_second;
                     }
+                    if clock_at != usize::MAX {
+                        row[clock_at] -= per_second * age;
+                    }
                 }
             }
         }
@@ -417,7 +424,7 @@ impl Problem<'_> {
         &self,
         segment: &Segment,
         x: &[f64],
-        (sampled, sensor_slots): (&SampledRun, &[[usize; 3]]),
+        (sampled, sensor_slots): (&SampledRun, &[[usize; 4]]),
         mean: &Window<'_>,
         products: &mut Products,
     ) {
@@ -425,7 +432,9 @@ impl Problem<'_> {
         let (_, gain) = self.reading(r, k, x, 0.0);
         let factor = mean.factor * gain;
         let row = products.row(mean.miss);
-        let [offset_at, gain_at, delay_at] = sensor_slots[k];
+        let [offset_at, gain_at, delay_at, clock_at] = sensor_slots[k];
+        let record = self.records[r];
+        let age = |i: usize| record.time[segment.samples.0 + i] - record.sensors[k].since;
         for i in mean.samples() {
             let (value, rate) = sampled.value(i, k);
             row.iter_mut().zip(sampled.sensitivities(i, k)).for_each(|(j, s)| *j += factor * s);
@@ -438,10 +447,17 @@ impl Problem<'_> {
             if delay_at != usize::MAX {
                 row[delay_at] -= factor * rate;
             }
+            if clock_at != usize::MAX {
+                row[clock_at] += factor * rate * age(i);
+            }
         }
         mean.add_events(row);
         if delay_at != usize::MAX {
             row[delay_at] -= mean.loss();
+        }
+        if clock_at != usize::MAX {
+            let middle = mean.samples().len() / 2 + mean.samples().start;
+            row[clock_at] += mean.loss() * age(middle);
         }
     }
 }

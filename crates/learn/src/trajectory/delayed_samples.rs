@@ -16,6 +16,22 @@ pub(crate) struct DelayedSamples {
     group: Vec<usize>,
 }
 
+/// How late a sensor is, and by what its clock drifts.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Lateness {
+    pub(crate) delay: f64,
+    pub(crate) clock: f64,
+    /// Since when the clock drifts.
+    pub(crate) since: f64,
+}
+
+impl Lateness {
+    /// When what a sample at `t` shows was.
+    pub(crate) fn shown(self, t: f64) -> f64 {
+        t - self.delay + self.clock * (t - self.since)
+    }
+}
+
 /// A sample of a column.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Reading {
@@ -24,25 +40,25 @@ pub(crate) struct Reading {
 }
 
 impl DelayedSamples {
-    /// Samples at `samples`, each state's column late by its delay. The states themselves are sampled with
-    /// the delay of state `first`.
-    pub(crate) fn new(samples: &[f64], delays: &[f64], first: usize) -> DelayedSamples {
-        let mut distinct = vec![delays.get(first).copied().unwrap_or(0.0)];
-        let mut group = Vec::with_capacity(delays.len());
-        for &delay in delays {
-            group.push(distinct.iter().position(|d| *d == delay).unwrap_or_else(|| {
-                distinct.push(delay);
+    /// Samples at `samples`, each state's column as late as its sensor. The states themselves are sampled as
+    /// the sensor of state `first` is.
+    pub(crate) fn new(samples: &[f64], late: &[Lateness], first: usize) -> DelayedSamples {
+        let mut distinct = vec![late.get(first).copied().unwrap_or_default()];
+        let mut group = Vec::with_capacity(late.len());
+        for own in late {
+            group.push(distinct.iter().position(|other| other == own).unwrap_or_else(|| {
+                distinct.push(*own);
                 distinct.len() - 1
             }));
         }
-        if let [delay] = distinct[..] {
-            let times = samples.iter().map(|t| t - delay).collect();
+        if let [late] = distinct[..] {
+            let times = samples.iter().map(|t| late.shown(*t)).collect();
             return DelayedSamples { times, at: vec![(0..samples.len()).collect()], group };
         }
         let mut all: Vec<(f64, usize, usize)> = distinct
             .iter()
             .enumerate()
-            .flat_map(|(g, delay)| samples.iter().enumerate().map(move |(i, t)| (t - delay, g, i)))
+            .flat_map(|(g, late)| samples.iter().enumerate().map(move |(i, t)| (late.shown(*t), g, i)))
             .collect();
         all.sort_by(|a, b| a.0.total_cmp(&b.0));
         let mut at = vec![vec![0; samples.len()]; distinct.len()];
@@ -164,7 +180,8 @@ mod tests {
 
     #[test]
     fn every_column_is_sampled_with_its_own_delay() {
-        let samples = DelayedSamples::new(&[0.0, 1.0, 2.0], &[0.25, 0.0, 0.25], 1);
+        let late = [0.25, 0.0, 0.25].map(|delay| Lateness { delay, ..Lateness::default() });
+        let samples = DelayedSamples::new(&[0.0, 1.0, 2.0], &late, 1);
         assert_eq!(samples.times, [-0.25, 0.0, 0.75, 1.0, 1.75, 2.0]);
         // Three states that are the time, its double and its triple.
         let states = samples.times.iter().flat_map(|t| [*t, 2.0 * t, 3.0 * t]).collect();

@@ -14,8 +14,8 @@ pub(crate) struct Follower<'p> {
     gains: &'p Gains,
     first: usize,
     due: Vec<Vec<Reading>>,
-    /// Where offset, gain and delay of each column stand among the derivatives.
-    slots: Vec<[usize; 3]>,
+    /// Where offset, gain, delay and clock of each column stand among the derivatives.
+    slots: Vec<[usize; 4]>,
     /// Columns of the derivatives: those of the run, then numbers of sensors that no rate knows.
     width: usize,
     pub(crate) spare: usize,
@@ -83,8 +83,11 @@ impl Observer for Follower<'_> {
                 continue;
             }
             row.iter_mut().for_each(|r| *r *= gain);
-            let [offset_at, gain_at, delay_at] = self.slots[column];
-            for (at, by) in [(offset_at, 1.0), (gain_at, value), (delay_at, -gain * rate)] {
+            let [offset_at, gain_at, delay_at, clock_at] = self.slots[column];
+            let record = self.problem.records[self.record];
+            let age = record.time[self.first + own] - record.sensors[column].since;
+            let late = -gain * rate;
+            for (at, by) in [(offset_at, 1.0), (gain_at, value), (delay_at, late), (clock_at, -late * age)] {
                 if at != usize::MAX {
                     row[at] += by;
                 }

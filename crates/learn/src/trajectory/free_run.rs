@@ -22,8 +22,8 @@ pub(crate) struct Solution {
     pub(crate) coefficients: Vec<f64>,
     /// Values of the system's parameters, for each record.
     pub(crate) parameters: Vec<Vec<f64>>,
-    /// Offset, gain and delay of each sensor, for each record.
-    pub(crate) sensors: Vec<Vec<[f64; 3]>>,
+    /// Offset, gain, delay and clock of each sensor, for each record.
+    pub(crate) sensors: Vec<Vec<[f64; 4]>>,
     /// Start states, for each record, if fitted already.
     pub(crate) starts: Vec<Option<Vec<f64>>>,
 }
@@ -36,8 +36,7 @@ impl Solution {
         parameters: &[f64],
         records: &[Record],
     ) -> Solution {
-        let sensors =
-            |r: &Record| r.sensors.iter().map(|s| [s.offset.start, s.gain.start, s.delay.start]).collect();
+        let sensors = |r: &Record| r.sensors.iter().map(|s| s.parameters().map(|p| p.start)).collect();
         Solution {
             terms,
             coefficients,
@@ -251,7 +250,7 @@ fn adapted(problem: &Problem<'_>, x: &[f64], record: &Record, index: usize, took
 }
 
 /// Keeps what a record was given of its own.
-fn keep(problem: &Problem<'_>, x: &[f64], parameters: &mut [f64], sensors: &mut [[f64; 3]]) {
+fn keep(problem: &Problem<'_>, x: &[f64], parameters: &mut [f64], sensors: &mut [[f64; 4]]) {
     for (k, meaning) in problem.meanings().into_iter().enumerate() {
         match meaning {
             Meaning::Parameter(p, Some(_)) => parameters[p] = x[k],

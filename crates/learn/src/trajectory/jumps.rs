@@ -8,7 +8,7 @@
 //! than half a sample from the event, is a sensor's mean over its sampling interval, and leaves nothing.
 
 use crate::trajectory::delayed_samples::SampledRun;
-use crate::trajectory::layout::{DELAY, Segment};
+use crate::trajectory::layout::Segment;
 use crate::trajectory::problem::Problem;
 use phisindy_signal::mean_step;
 use phisindy_sim::Jump;
@@ -93,7 +93,7 @@ impl Problem<'_> {
         }
         let record = self.records[segment.record];
         let step = mean_step(&record.time);
-        let time = record.time[sample] - self.sensor(segment.record, column, DELAY, x);
+        let time = self.lateness(segment.record, column, x).shown(record.time[sample]);
         let (_, gain) = self.reading(segment.record, column, x, 0.0);
         Some(Sample { jumps, output, gain, time, step, noise })
     }

@@ -3,11 +3,12 @@
 
 use crate::decisions::SEGMENT_SAMPLES;
 use crate::result::quantity::SensorPart;
-use phisindy_phys::{Record, Sensor, SensorParameter, System};
+use phisindy_phys::{Record, SensorParameter, System};
 
-/// Two of the three sensor parameters, in the order of [`SensorPart::ALL`].
+/// Three of the four sensor parameters, in the order of [`SensorPart::ALL`].
 pub(crate) const GAIN: usize = SensorPart::Gain as usize;
 pub(crate) const DELAY: usize = SensorPart::Delay as usize;
+pub(crate) const CLOCK: usize = SensorPart::Clock as usize;
 
 /// A run of samples with a start state of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,8 +34,8 @@ pub(crate) struct Layout {
     pub(crate) priors: Vec<(usize, f64, f64)>,
     /// For each record, the parameters of the model.
     pub(crate) model: Vec<Vec<Source>>,
-    /// For each record, offset, gain and delay of each state, each output, then each input.
-    pub(crate) sensors: Vec<Vec<[Source; 3]>>,
+    /// For each record, offset, gain, delay and clock of each state, each output, then each input.
+    pub(crate) sensors: Vec<Vec<[Source; 4]>>,
     pub(crate) segments: Vec<Segment>,
 }
 
@@ -79,26 +80,24 @@ impl Layout {
     }
 
     /// The sensors of a record: of its states, its outputs, then its inputs.
-    fn sensors_of(&mut self, system: &System, parameters: &[Source], record: &Record) -> Vec<[Source; 3]> {
+    fn sensors_of(&mut self, system: &System, parameters: &[Source], record: &Record) -> Vec<[Source; 4]> {
         let n = system.columns();
         let mut of = |s: &SensorParameter, free: bool| match (s.shared, s.within) {
             (Some(p), _) => parameters[p],
             (None, Some(within)) if free => self.unknown(within, s.start, s.sigma),
             _ => Source::Number(s.start),
         };
-        let mut all: Vec<[Source; 3]> = Vec::new();
-        for (k, Sensor { offset, gain, delay, .. }) in record.sensors[..n].iter().enumerate() {
-            all.push([offset, gain, delay].map(|s| of(s, record.columns[k].is_some())));
+        let mut all: Vec<[Source; 4]> = Vec::new();
+        for (k, sensor) in record.sensors[..n].iter().enumerate() {
+            all.push(sensor.parameters().map(|s| of(s, record.columns[k].is_some())));
         }
-        for Sensor { offset, gain, delay, follows } in &record.sensors[n..] {
-            all.push(
-                [offset, gain, delay]
-                    .map(|s| if follows.is_some() { Source::Number(s.start) } else { of(s, true) }),
-            );
+        for sensor in &record.sensors[n..] {
+            let own = sensor.follows.is_none();
+            all.push(sensor.parameters().map(|s| if own { of(s, true) } else { Source::Number(s.start) }));
         }
-        // What is derived from an input has its gain and its delay.
+        // What is derived from an input has its gain, its delay and its clock.
         for (k, of) in record.sensors[n..].iter().enumerate().filter_map(|(k, s)| Some((k, s.follows?))) {
-            for which in [GAIN, DELAY] {
+            for which in [GAIN, DELAY, CLOCK] {
                 all[n + k][which] = all[n + of][which];
             }
         }

@@ -6,7 +6,7 @@
 
 use crate::decisions::{MIXED_NOISE, NOISE_GAIN, NOISE_ITERATIONS, NOISE_RANK};
 use crate::result::identified::NoiseModel;
-use phisindy_signal::{rounding_error, standard_deviation};
+use phisindy_signal::standard_deviation;
 
 /// Variance of one column.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -100,8 +100,8 @@ impl ColumnNoise {
 
 /// The least noise of a column: this part of its motion, and the rounding of its last digit (`step/sqrt(12)`,
 /// which a sensor at rest does not show).
-pub(crate) fn least_noise(column: &[f64], part: f64) -> f64 {
-    (part * standard_deviation(column)).max(rounding_error(column))
+pub(crate) fn least_noise(column: &[f64], rounding: f64, part: f64) -> f64 {
+    (part * standard_deviation(column)).max(rounding)
 }
 
 #[cfg(test)]
@@ -197,13 +197,10 @@ mod tests {
     fn the_noise_of_an_encoder_is_at_least_that_of_its_step() {
         let count = |i: u32| (38.0 * (-0.0025 * f64::from(i)).exp() * (0.05 * f64::from(i)).cos()).round();
         let column: Vec<f64> = (0..2000).map(count).collect();
-        assert!(
-            (least_noise(&column, NOISE_FLOOR) - 12f64.sqrt().recip()).abs() < 1e-12,
-            "{}",
-            least_noise(&column, NOISE_FLOOR)
-        );
-        let found = ColumnNoise::estimate(&[0.0; 2000], &column, least_noise(&column, NOISE_FLOOR));
-        assert_eq!(found, ColumnNoise { additive: least_noise(&column, NOISE_FLOOR), relative: 0.0 });
+        let least = least_noise(&column, phisindy_signal::rounding_error(&column), NOISE_FLOOR);
+        assert!((least - 12f64.sqrt().recip()).abs() < 1e-12, "{least}");
+        let found = ColumnNoise::estimate(&[0.0; 2000], &column, least);
+        assert_eq!(found, ColumnNoise { additive: least, relative: 0.0 });
     }
 
     #[test]

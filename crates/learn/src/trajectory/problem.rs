@@ -3,16 +3,17 @@
 
 use crate::decisions::{BASE_STEPS, DIVERGED_SIZE, NOISE_FLOOR, STEPS_PER_SAMPLE, TOLERANCE};
 use crate::result::error::ModelError;
-use crate::trajectory::delayed_samples::{DelayedSamples, SampledRun};
+use crate::trajectory::delayed_samples::{DelayedSamples, Lateness, SampledRun};
 use crate::trajectory::filter::Gains;
 use crate::trajectory::follower::Follower;
 use crate::trajectory::input_sensors::InputSensors;
-use crate::trajectory::layout::{DELAY, Layout, Segment, Source};
+use crate::trajectory::layout::{CLOCK, DELAY, Layout, Segment, Source};
 use crate::trajectory::noise::{ColumnNoise, least_noise};
 use phisindy_phys::{Record, System};
-use phisindy_signal::{noise_level_at, standard_deviation};
+use phisindy_signal::{Signal, mean_step, noise_level_at, standard_deviation};
 use phisindy_sim::{Automaton, Drive, Observer, Options, SimError, Stop, Trajectory, observe, simulate};
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// A least-squares problem for a choice of terms and records.
 pub(crate) struct Problem<'a> {
@@ -30,8 +31,8 @@ pub(crate) struct Problem<'a> {
     pub(crate) belief: f64,
     /// For each record, the parameters of the model.
     pub(crate) model: Vec<Vec<Source>>,
-    /// For each record, offset, gain and delay of each state, each output, then each input.
-    pub(crate) sensors: Vec<Vec<[Source; 3]>>,
+    /// For each record, offset, gain, delay and clock of each state, each output, then each input.
+    pub(crate) sensors: Vec<Vec<[Source; 4]>>,
     input_sensors: InputSensors,
     /// The size of each state, for the accuracy of the simulation.
     pub(crate) scale: Vec<f64>,
@@ -64,7 +65,7 @@ pub(crate) enum Meaning {
     Coefficient(usize),
     /// Index into the system's parameters; the record for those that each has.
     Parameter(usize, Option<usize>),
-    /// Record, column (or, beyond them, input), which of offset, gain, delay.
+    /// Record, column (or, beyond them, input), which of offset, gain, delay, clock.
     Sensor(usize, usize, usize),
     Start,
 }
@@ -98,7 +99,9 @@ impl<'a> Problem<'a> {
             .collect();
         let states = system.states.len();
         let level = |r: &Record, k: usize| match &r.columns[k] {
-            Some(c) if k >= states => noise_level_at(&r.time, c).max(least_noise(c, NOISE_FLOOR)),
+            Some(c) if k >= states => {
+                noise_level_at(&r.time, c).max(least_noise(c, r.rounding(k), NOISE_FLOOR))
+            }
             _ => 1.0,
         };
         let jump_noise =
@@ -179,8 +182,7 @@ impl<'a> Problem<'a> {
                     x[k] = parameters.map_or(self.system.parameters[p].start, |v| v[p])
                 }
                 Meaning::Sensor(r, state, which) => {
-                    let s = &self.records[r].sensors[state];
-                    x[k] = [&s.offset, &s.gain, &s.delay][which].start;
+                    x[k] = self.records[r].sensors[state].parameters()[which].start;
                 }
                 _ => {}
             }
@@ -214,14 +216,17 @@ impl<'a> Problem<'a> {
         self.model[record].iter().map(|&s| Self::value(s, x)).collect()
     }
 
-    /// The delay of each input with a free sensor, less what the record has corrected already.
-    fn delays(&self, record: usize, x: &[f64]) -> Vec<f64> {
+    /// When each sensor of an input that is not perfect shows what is.
+    fn input_clocks(&self, record: usize, x: &[f64]) -> Vec<Lateness> {
         let n = self.system.columns();
-        let own = |&j: &usize| {
-            let start = self.records[record].sensors[n + j].delay.start;
-            Self::value(self.sensors[record][n + j][DELAY], x) - start
-        };
-        self.input_sensors.inputs.iter().map(own).collect()
+        self.input_sensors.inputs.iter().map(|j| self.lateness(record, n + j, x)).collect()
+    }
+
+    /// How late a sensor is.
+    pub(crate) fn lateness(&self, record: usize, column: usize, x: &[f64]) -> Lateness {
+        let own = &self.sensors[record][column];
+        let since = self.records[record].sensors[column].since;
+        Lateness { delay: Self::value(own[DELAY], x), clock: Self::value(own[CLOCK], x), since }
     }
 
     /// Where each parameter of a run comes from: those of the model, then those of the inputs' sensors.
@@ -254,10 +259,11 @@ impl<'a> Problem<'a> {
         observer: Option<&mut dyn Observer>,
     ) -> Result<Trajectory, SimError> {
         let mut parameters: Vec<f64> = self.sources(record).map(|s| Self::value(s, x)).collect();
-        // The signals contain the delays already.
-        let own = parameters.len() - 3 * self.input_sensors.inputs.len();
-        parameters[own..].iter_mut().skip(DELAY).step_by(3).for_each(|delay| *delay = 0.0);
-        let inputs = self.input_sensors.signals(self.records[record], record, &self.delays(record, x));
+        // The signals contain the delays and the drift of the clocks already.
+        let own = parameters.len() - 4 * self.input_sensors.inputs.len();
+        parameters[own..].chunks_exact_mut(4).for_each(|of| (of[DELAY], of[CLOCK]) = (0.0, 0.0));
+        let clocks = self.input_clocks(record, x);
+        let inputs = self.input_sensors.signals(self.records[record], record, &clocks);
         let drive = Drive { inputs: &inputs, parameters: &parameters };
         let run = match observer {
             Some(observer) => observe(&self.automaton, &drive, start, times, options, observer)?,
@@ -312,7 +318,7 @@ impl<'a> Problem<'a> {
 
     /// How a segment is simulated, with these derivatives.
     pub(crate) fn options(&self, segment: &Segment, sensitivities: Option<Vec<usize>>) -> Options {
-        let samples = segment.samples.1 - segment.samples.0;
+        let samples = self.samples(segment);
         Options {
             tolerance: self.tolerance,
             scale: self.scale.clone(),
@@ -356,29 +362,34 @@ impl<'a> Problem<'a> {
     /// The sample times of a segment's columns, each late by its own delay.
     pub(crate) fn delayed_samples(&self, segment: &Segment, x: &[f64]) -> DelayedSamples {
         let record = self.records[segment.record];
-        let sensors = &self.sensors[segment.record][..self.system.columns()];
-        let delays: Vec<f64> = sensors.iter().map(|s| Self::value(s[DELAY], x)).collect();
         let first = record.columns.iter().position(Option::is_some).unwrap_or(0);
-        // What has no column takes the delay of the first one that has.
-        let delays: Vec<f64> =
-            (0..delays.len()).map(|k| delays[if record.columns[k].is_some() { k } else { first }]).collect();
-        DelayedSamples::new(&record.time[segment.samples.0..segment.samples.1], &delays, first)
-    }
-
-    /// Offset, gain or delay of a column's sensor.
-    pub(crate) fn sensor(&self, record: usize, column: usize, which: usize, x: &[f64]) -> f64 {
-        Self::value(self.sensors[record][column][which], x)
+        // What has no column is as late as the first one that has.
+        let of = |k: usize| if record.columns[k].is_some() { k } else { first };
+        let late: Vec<Lateness> =
+            (0..self.system.columns()).map(|k| self.lateness(segment.record, of(k), x)).collect();
+        DelayedSamples::new(&record.time[segment.samples.0..segment.samples.1], &late, first)
     }
 
     /// The prediction of a column from the value of what it measures at the sample time, and its gain.
     pub(crate) fn reading(&self, record: usize, column: usize, x: &[f64], value: f64) -> (f64, f64) {
-        let [offset, gain, _] = self.sensors[record][column].map(|s| Self::value(s, x));
+        let [offset, gain, ..] = self.sensors[record][column].map(|s| Self::value(s, x));
         (offset + gain * value, gain)
     }
 
     /// Samples of the longest segment.
     pub(crate) fn longest_segment(&self) -> usize {
-        self.segments.iter().map(|s| s.samples.1 - s.samples.0).max().unwrap_or(0)
+        self.segments.iter().map(|s| self.samples(s)).max().unwrap_or(0)
+    }
+
+    /// Samples of a segment, or those of an input along it, which may have more of them: no step skips these.
+    fn samples(&self, segment: &Segment) -> usize {
+        let record = self.records[segment.record];
+        let own = segment.samples.1 - segment.samples.0;
+        let times = record.inputs.iter().map(Signal::time);
+        let times = times.filter(|time| time.len() > 1 && !Arc::ptr_eq(time, &record.time));
+        let finest = times.map(|time| mean_step(time)).fold(f64::INFINITY, f64::min);
+        let span = record.time[segment.samples.1 - 1] - record.time[segment.samples.0];
+        own.max((span / finest) as usize)
     }
 
     /// The most steps that a segment takes at `x`, tries included.
@@ -460,7 +471,9 @@ impl<'a> Problem<'a> {
     pub(crate) fn noise(&self, residuals: &[Vec<ColumnResidual>]) -> Noise {
         let of = |r: usize, k: usize| {
             let c = &residuals[r][k];
-            let floor = self.records[r].columns[k].as_deref().map_or(0.0, |c| least_noise(c, NOISE_FLOOR));
+            let record = self.records[r];
+            let floor =
+                record.columns[k].as_deref().map_or(0.0, |c| least_noise(c, record.rounding(k), NOISE_FLOOR));
             ColumnNoise::estimate(&c.residual, &c.prediction, floor)
         };
         (0..self.records.len()).map(|r| (0..self.system.columns()).map(|k| of(r, k)).collect()).collect()

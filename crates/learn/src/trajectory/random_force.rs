@@ -115,13 +115,13 @@ impl RandomForce {
 impl<'a> Context<'a> {
     /// The noise of each column by its spectrum above the motion.
     fn noise_above_the_motion(&self, problem: &Problem<'_>) -> Noise {
-        let of = |(time, column): (&[f64], Option<&Vec<f64>>)| {
-            let level = column.map_or(f64::MIN_POSITIVE, |c| {
-                noise_level_at(time, c).max(least_noise(c, SHARPEST_SENSOR).max(f64::MIN_POSITIVE))
+        let of = |r: &Record, k: usize| {
+            let level = r.columns[k].as_ref().map_or(0.0, |c| {
+                noise_level_at(&r.time, c).max(least_noise(c, r.rounding(k), SHARPEST_SENSOR))
             });
-            ColumnNoise { additive: level, relative: 0.0 }
+            ColumnNoise { additive: level.max(f64::MIN_POSITIVE), relative: 0.0 }
         };
-        let row = |r: &&Record| r.columns.iter().map(|c| of((&r.time, c.as_ref()))).collect();
+        let row = |r: &&Record| (0..r.columns.len()).map(|k| of(r, k)).collect();
         problem.records.iter().map(row).collect()
     }
 
@@ -223,9 +223,9 @@ impl<'a> Context<'a> {
             at.extend(measured.iter().map(|_| 0.0));
             // The likelihood has no bound where a sensor has no noise.
             let floor = |k: usize| {
-                let least = record.columns[k]
-                    .as_ref()
-                    .map_or(0.0, |c| least_noise(c, SHARPEST_SENSOR).max(f64::MIN_POSITIVE));
+                let least = record.columns[k].as_ref().map_or(0.0, |c| {
+                    least_noise(c, record.rounding(k), SHARPEST_SENSOR).max(f64::MIN_POSITIVE)
+                });
                 (least.powi(2) / noise[r][k].variance(problem.deviations[r][k])).ln().min(0.0)
             };
             let lowest: Vec<f64> =

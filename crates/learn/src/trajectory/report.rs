@@ -230,8 +230,7 @@ fn failure(fit: &Fit<'_>) -> Option<FitFailure> {
     let start = |meaning: &Meaning| match *meaning {
         Meaning::Parameter(p, _) => Some(system.parameters[p].start),
         Meaning::Sensor(r, column, which) => {
-            let s = &problem.records[r].sensors[column];
-            Some([&s.offset, &s.gain, &s.delay][which].start)
+            Some(problem.records[r].sensors[column].parameters()[which].start)
         }
         // Where the regression starts a coefficient is where it belongs.
         Meaning::Coefficient(_) | Meaning::Start => None,

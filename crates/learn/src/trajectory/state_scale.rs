@@ -39,7 +39,7 @@ impl Problem<'_> {
             tolerance: SIZE_TOLERANCE,
             scale,
             diverged: f64::MAX,
-            max_steps: record.len() * STEPS_PER_SAMPLE,
+            max_steps: self.longest_segment().max(record.len()) * STEPS_PER_SAMPLE,
             ..Options::default()
         };
         let x = self.guess(&[], None, &self.records.iter().map(|r| (*r).clone()).collect::<Vec<_>>());

@@ -10,7 +10,7 @@
 use crate::decisions::{LARGEST_WINDOW, WHITE_EXCESS, WINDOW_FALL};
 use crate::trajectory::delayed_samples::SampledRun;
 use crate::trajectory::kalman_smoother::reads_outputs;
-use crate::trajectory::layout::{DELAY, Segment};
+use crate::trajectory::layout::Segment;
 use crate::trajectory::problem::Problem;
 use phisindy_signal::mean_step;
 use phisindy_sim::Jump;
@@ -101,12 +101,12 @@ impl Problem<'_> {
             let Some(column) = column.as_ref().filter(|_| self.is_averaged(k, window)) else { continue };
             let output = k - self.system.states.len();
             let (_, gain) = self.reading(segment.record, k, x, 0.0);
-            let late = self.sensor(segment.record, k, DELAY, x);
+            let late = self.lateness(segment.record, k, x);
             let shown: Vec<&Jump> = sampled.run.jumps.iter().filter(|j| j.by[output] != 0.0).collect();
             let mut from = 0;
             while from + length <= last - first {
                 let to = from + length;
-                let time = |i: usize| record.time[first + i] - late;
+                let time = |i: usize| late.shown(record.time[first + i]);
                 let (begin, end) = (time(from) - 0.5 * step, time(to - 1) + 0.5 * step);
                 let sum: f64 = (from..to)
                     .map(|i| self.reading(segment.record, k, x, sampled.value(i, k).0).0 - column[first + i])

@@ -62,7 +62,10 @@ pub fn named_files(text: &str, path: &Path, request: &Request) -> Vec<(String, P
     let folders = Folders::new(request, path, text);
     let inputs = |record: &DataSpec| -> Vec<Text> {
         match record {
-            DataSpec::Csv(csv) => vec![csv.path.clone()],
+            DataSpec::Csv(csv) => {
+                let of_streams = csv.streams.iter().filter_map(|stream| stream.path.clone());
+                [csv.path.clone()].into_iter().chain(of_streams).collect()
+            }
             DataSpec::Synthetic(made) => made
                 .inputs
                 .iter()

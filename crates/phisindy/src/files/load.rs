@@ -4,6 +4,7 @@ use super::columns::Columns;
 use super::folders::{self, Folders, Missing, open_plain_file};
 use super::laws;
 use super::request::{Assignment, Request};
+use super::streams::{self, Part};
 use super::trends::Trends;
 use crate::error::{Error, SpecError};
 use crate::laws::Catalogue;
@@ -20,7 +21,7 @@ use phisindy_signal::{Interpolation, Signal, strongest_line};
 use phisindy_sim::{SyntheticError, Trajectory, synthesize};
 use std::fs::File;
 use std::io::{self, Read};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// What the spec is read for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -398,10 +399,11 @@ impl<'r> Loader<'r> {
             return Err(Refusal::Input);
         }
         let units = Units::of(csv, &case.system);
-        let place = match table {
-            Some(table) => Rows::Given(table),
-            None => match self.folders.find(&csv.path.value, self.source, csv.path.span) {
-                Ok(path) => Rows::In(path),
+        let parts = streams::parts(csv, &units, &case.system);
+        let mut places = vec![];
+        for Part { csv, .. } in parts.iter().filter(|_| table.is_none()) {
+            match self.folders.find(&csv.path.value, self.source, csv.path.span) {
+                Ok(path) => places.push(path),
                 Err(Missing::Nowhere(mut d)) if purpose == Purpose::Check && !self.folders.given => {
                     d.severity = Severity::Warning;
                     self.push(d);
@@ -411,11 +413,17 @@ impl<'r> Loader<'r> {
                     self.push(missing.diagnostic());
                     return Err(Refusal::Input);
                 }
-            },
-        };
-        let mut rows = |csv: &CsvSpec| match &place {
-            Rows::Given(table) => table.read(csv, &units, self.source, self.sources),
-            Rows::In(path) => folders::read(csv, &units, path, self.source, self.sources),
+            }
+        }
+        let mut rows = |csv: &CsvSpec| {
+            let parts = streams::parts(csv, &units, &case.system);
+            let mut read = |k: usize, Part { csv, units, .. }: &Part| match table {
+                Some(table) => table.read(csv, units, self.source, self.sources),
+                None => folders::read(csv, units, &places[k], self.source, self.sources),
+            };
+            let tables =
+                parts.iter().enumerate().map(|(k, part)| read(k, part)).collect::<Result<Vec<_>, _>>()?;
+            streams::joined(csv, &parts, tables, self.source)
         };
         let mut read = rows(csv);
         let rescaled = read.as_ref().ok().and_then(|(table, _)| in_the_unit_of_time(csv, &units, table));
@@ -483,12 +491,6 @@ impl<'r> Loader<'r> {
             if numerics { Refusal::Numerics } else { Refusal::Input }
         })
     }
-}
-
-/// Where the rows of a record are.
-enum Rows<'a> {
-    Given(&'a Columns),
-    In(PathBuf),
 }
 
 /// The record with its window in seconds, where it was written in the unit of the time: taken as seconds it
@@ -594,6 +596,7 @@ fn column_of(path: &Text, time: &ColumnSpec, column: &ColumnSpec) -> CsvSpec {
         time: time.clone(),
         rate: None,
         columns: vec![(column.header.clone(), column.clone())],
+        streams: vec![],
         derive: vec![],
         sensors: vec![],
         rows: vec![],

@@ -30,6 +30,9 @@ impl Trends {
             let known = self.found.iter().find(|(other, _)| *other == key).map(|(_, trend)| *trend);
             let trend = known.unwrap_or_else(|| Trend::of(&table.time, values, *kind));
             trend.remove(&table.time, values);
+            if let Some(Some(own)) = table.own.get_mut(k) {
+                trend.remove(&own.time, &mut own.values);
+            }
             let factor = units.columns[k].factor;
             done.push(Note::Detrended {
                 column: name.value.clone(),

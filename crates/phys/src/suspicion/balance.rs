@@ -364,8 +364,8 @@ fn motion(system: &System, record: &Record, n: usize, stretch: usize) -> Vec<Opt
 /// A measured column, states first; none if it has no samples or is derived from another one.
 fn measured(system: &System, record: &Record, k: usize) -> Option<Vec<f64>> {
     let Some(input) = k.checked_sub(system.states.len()) else { return record.columns[k].clone() };
-    let source = record.derivations.iter().find(|d| d.of == input);
-    let raw = || source.map_or_else(|| record.inputs[input].values().to_vec(), |d| d.column.clone());
+    let source = record.derivations.iter().find(|d| d.of == input && d.column.len() == record.len());
+    let raw = || source.map_or_else(|| record.input_samples(input).into_owned(), |d| d.column.clone());
     (!record.derivations.iter().any(|d| d.input == input)).then(raw)
 }
 

@@ -68,8 +68,9 @@ fn swapped(system: &System, record: &Record) -> Swapped {
     let pairs: Pairs = pairs(system, record).collect();
     let states = system.states.iter().zip(&record.columns).map(|(s, c)| (&s.name, &s.unit, c.as_deref()));
     let derived = |k: usize| record.derivations.iter().any(|d| d.input == k);
-    let inputs = system.inputs.iter().zip(&record.inputs).enumerate();
-    let inputs = inputs.map(|(k, (u, signal))| (&u.name, &u.unit, (!derived(k)).then(|| signal.values())));
+    let samples: Vec<_> = (0..system.inputs.len()).map(|k| record.input_samples(k)).collect();
+    let inputs = system.inputs.iter().zip(&samples).enumerate();
+    let inputs = inputs.map(|(k, (u, samples))| (&u.name, &u.unit, (!derived(k)).then_some(&**samples)));
     let columns: Vec<(&String, &String, Option<&[f64]>)> = states.chain(inputs).collect();
     let rate_of = |k: usize, v: usize| rate(record, columns[k].2?, columns[v].2?);
     // First the two columns of one pair.
@@ -216,7 +217,7 @@ mod tests {
             columns.swap(i, j);
         }
         let table =
-            crate::system::record::Table { time: time.clone(), columns, lines: vec![], ..Default::default() };
+            crate::system::table::Table { time: time.clone(), columns, lines: vec![], ..Default::default() };
         let record = Record::from_table(&case.records[0], &table, &case.system, id).unwrap();
         let mut found = vec![];
         rates(&case.system, &record, &mut found);

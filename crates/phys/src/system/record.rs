@@ -2,13 +2,16 @@
 
 use crate::system::constants::Value;
 use crate::system::equations::System;
+use crate::system::measured::Measured;
 use crate::system::note::Note;
 use crate::system::plan::{Origin, RecordPlan};
 use crate::system::sensor::Sensor;
+use crate::system::table::{Table, enough, finer};
 use crate::text::diagnostic::{Diagnostic, SourceId};
 use crate::text::spec::{ColumnSpec, CsvSpec, Role, Text};
 use crate::units::unit::Unit;
-use phisindy_signal::{Differentiated, Differentiator, Signal, SignalError, differentiate, mean_step};
+use phisindy_signal::{Differentiator, Signal, SignalError, differentiate, mean_step, rounding_error};
+use std::borrow::Cow;
 use std::fmt;
 use std::sync::Arc;
 
@@ -23,7 +26,7 @@ pub struct Record {
     pub time: Arc<[f64]>,
     /// Samples of each state, then of each output (SI); `None` without a column.
     pub columns: Vec<Option<Vec<f64>>>,
-    /// For each input, as a function of time (SI).
+    /// For each input, as a function of time (SI); its samples may have times of their own.
     pub inputs: Vec<Signal>,
     /// One number for each of [`System::record_constants`].
     pub constants: Vec<f64>,
@@ -48,7 +51,7 @@ pub struct Derivation {
     pub input: usize,
     /// What it is the derivative of.
     pub of: usize,
-    /// The samples of that one, before they were smoothed (SI).
+    /// The samples of that one, before they were smoothed (SI), at the times of its signal.
     pub column: Vec<f64>,
 }
 
@@ -78,26 +81,6 @@ impl Units {
     }
 }
 
-/// Numbers read from a file: the selected rows (`rows`, `window`, `decimate`) of the needed columns.
-#[derive(Clone, Debug, Default)]
-pub struct Table {
-    /// The time column (SI).
-    pub time: Vec<f64>,
-    /// The columns of `CsvSpec::columns`, in that order (SI).
-    pub columns: Vec<Vec<f64>>,
-    /// Line number of each row in the file; of a mean of rows, that of the last.
-    pub lines: Vec<usize>,
-    /// First and last time of `rows` in the file, in seconds, whatever the window.
-    pub extent: Option<(f64, f64)>,
-    /// Rows that were left out because a value is missing (`missing: Omit`).
-    pub omitted: usize,
-    /// Times shortly before the window, and the columns there: what drove the rig then.
-    pub before: (Vec<f64>, Vec<Vec<f64>>),
-}
-
-/// Fewer samples than this are no record.
-const FEWEST: usize = 10;
-
 impl Record {
     /// Number of samples.
     pub fn len(&self) -> usize {
@@ -117,9 +100,36 @@ impl Record {
         states: impl Iterator<Item = f64> + 'a,
         parameters: &'a [f64],
     ) -> impl Iterator<Item = f64> + 'a {
-        let inputs = self.inputs.iter().map(move |u| u.values()[sample]);
+        let inputs = (0..self.inputs.len()).map(move |k| self.input_at(k, sample));
         let rest = parameters.iter().chain(&self.constants).copied();
         [self.time[sample]].into_iter().chain(states).chain(inputs).chain(rest)
+    }
+
+    /// An input at the time of a sample.
+    pub fn input_at(&self, input: usize, sample: usize) -> f64 {
+        let signal = &self.inputs[input];
+        if Arc::ptr_eq(signal.time(), &self.time) {
+            return signal.values()[sample];
+        }
+        signal.value(self.time[sample])
+    }
+
+    /// An input at the times of the samples.
+    pub fn input_samples(&self, input: usize) -> Cow<'_, [f64]> {
+        let signal = &self.inputs[input];
+        if Arc::ptr_eq(signal.time(), &self.time) {
+            return Cow::Borrowed(signal.values());
+        }
+        let mut near = 0;
+        self.time.iter().map(|&t| signal.value_and_slope(t, &mut near).0).collect()
+    }
+
+    /// Standard deviation of the rounding of a column, by the step that its sensor states or that it shows; 0
+    /// without a column.
+    pub fn rounding(&self, column: usize) -> f64 {
+        let Some(values) = &self.columns[column] else { return 0.0 };
+        let stated = self.sensors[column].quantum.map(|step| step / f64::sqrt(12.0));
+        stated.unwrap_or_else(|| rounding_error(values))
     }
 
     /// Number of measured values: samples of all columns of states and outputs.
@@ -141,6 +151,7 @@ impl Record {
             return Err(vec![Diagnostic::error("a synthetic record has no file")]);
         };
         enough(csv, table, spec).map_err(|d| vec![d])?;
+        finer(csv, table, plan, system, spec).map_err(|d| vec![d])?;
         let time: Arc<[f64]> = table.time.as_slice().into();
         let column = |name: &str| -> Option<Vec<f64>> {
             let k = csv.columns.iter().position(|(n, _)| n.value == name)?;
@@ -149,48 +160,34 @@ impl Record {
         let own =
             |(k, (name, _)): (usize, (&str, &str))| column(name).filter(|_| system.column(name) == Some(k));
         let columns = system.quantities().take(system.columns()).enumerate().map(own).collect();
-        // The inputs begin before the window: a sensor that is late shows what they did there.
-        let lead = table.before.0.len();
-        let whole: Arc<[f64]> = table.before.0.iter().chain(time.iter()).copied().collect();
-        let mut raw: Vec<Option<Vec<f64>>> = Vec::new();
-        let mut leads: Vec<Vec<f64>> = Vec::new();
+        let since = table.extent.map_or(0.0, |(first, _)| first);
+        let sensors: Vec<Sensor> = plan.sensors.iter().map(|s| Sensor { since, ..s.clone() }).collect();
+        let mut raw = Vec::new();
         for (k, input) in system.inputs.iter().enumerate() {
-            let sensor = &plan.sensors[system.columns() + k];
-            let seen = |values| sensor.corrected(&whole, values, plan.interpolation[k]);
-            let all = csv.columns.iter().position(|(n, _)| n.value == input.name).map(|k| {
-                let before = table.before.1.get(k).map_or(&[][..], Vec::as_slice);
-                before.iter().chain(&table.columns[k]).copied().collect()
-            });
-            let all = all.map(seen).transpose().map_err(|e| vec![no_signal(&input.name, &e)])?;
-            let mut all = all.unwrap_or_default();
-            let own = if all.is_empty() { None } else { Some(all.split_off(lead)) };
-            leads.push(all);
-            raw.push(own);
+            let sensor = &sensors[system.columns() + k];
+            let place = csv.columns.iter().position(|(n, _)| n.value == input.name);
+            let measured = place.map(|place| Measured::of(table, place, &time));
+            let corrected = measured.map(|m| m.corrected(sensor, plan.interpolation[k])).transpose();
+            raw.push(corrected.map_err(|e| vec![no_signal(&input.name, &e)])?);
         }
         let (mut notes, mut derivations) = (Vec::new(), Vec::new());
         for (k, of) in plan.derived.iter().enumerate().filter_map(|(k, of)| of.map(|of| (k, of))) {
             if let (None, Some(source)) = (&raw[k], &raw[of]) {
-                let d = differentiated(&time, source, plan.differentiators[k]).map_err(|d| vec![d])?;
+                let how = plan.differentiators[k];
+                let (smooth, slope, smoothing) = source.differentiated(how).map_err(|d| vec![d])?;
                 let (input, of_name) = (system.inputs[k].name.clone(), system.inputs[of].name.clone());
-                notes.push(Note::DerivedInput { input, of: of_name, smoothing: d.smoothing });
-                if lead > 0 {
-                    let all: Vec<f64> = leads[of].iter().chain(source).copied().collect();
-                    let d = differentiated(&whole, &all, plan.differentiators[k]).map_err(|d| vec![d])?;
-                    (leads[k], leads[of]) = (d.derivative[..lead].to_vec(), d.values[..lead].to_vec());
-                }
-                let column = raw[of].replace(d.values).unwrap_or_default();
+                notes.push(Note::DerivedInput { input, of: of_name, smoothing });
+                let column = raw[of].replace(smooth).map_or_else(Vec::new, |source| source.values);
                 derivations.push(Derivation { input: k, of, column });
-                raw[k] = Some(d.derivative);
+                raw[k] = Some(slope);
             }
         }
         let mut inputs = Vec::new();
-        for (k, values) in raw.into_iter().enumerate() {
+        for (k, measured) in raw.into_iter().enumerate() {
             let name = &system.inputs[k].name;
-            let values =
-                values.ok_or_else(|| vec![Diagnostic::error(format!("input `{name}` has no data"))])?;
-            let signal = Signal::new(time.clone(), values, plan.interpolation[k]);
-            let signal = signal.and_then(|signal| signal.preceded(&table.before.0, &leads[k]));
-            inputs.push(signal.map_err(|e| vec![no_signal(name, &e)])?);
+            let measured =
+                measured.ok_or_else(|| vec![Diagnostic::error(format!("input `{name}` has no data"))])?;
+            inputs.push(measured.signal(plan.interpolation[k]).map_err(|e| vec![no_signal(name, &e)])?);
         }
         let constants = plan.constants.iter().filter_map(Value::number).collect();
         Ok(Record {
@@ -200,7 +197,7 @@ impl Record {
             columns,
             inputs,
             constants,
-            sensors: plan.sensors.clone(),
+            sensors,
             start: plan.start.clone(),
             continues: None,
             sizes: vec![],
@@ -213,9 +210,10 @@ impl Record {
     pub fn rederived(&self, how: Differentiator) -> Option<Record> {
         let mut out = self.clone();
         for Derivation { input, of, column } in &self.derivations {
-            let d = differentiate(&self.time, column, how).ok()?;
+            let time = self.inputs[*of].time();
+            let d = differentiate(time, column, how).ok()?;
             for (k, values) in [(*input, d.derivative), (*of, d.values)] {
-                out.inputs[k] = Signal::new(self.time.clone(), values, self.inputs[k].kind()).ok()?;
+                out.inputs[k] = Signal::new(time.clone(), values, self.inputs[k].kind()).ok()?;
             }
         }
         Some(out)
@@ -254,34 +252,6 @@ fn no_signal(input: &str, error: &SignalError) -> Diagnostic {
     Diagnostic::error(format!("input `{input}`: {error}"))
 }
 
-fn differentiated(time: &[f64], values: &[f64], how: Differentiator) -> Result<Differentiated, Diagnostic> {
-    differentiate(time, values, how)
-        .map_err(|e: SignalError| Diagnostic::error(format!("cannot differentiate: {e}")))
-}
-
-/// Refuses a table with too few rows. Without columns they are only the times of a prediction.
-fn enough(csv: &CsvSpec, table: &Table, spec: SourceId) -> Result<(), Diagnostic> {
-    let fewest = if csv.columns.is_empty() { 1 } else { FEWEST };
-    if table.time.len() >= fewest {
-        return Ok(());
-    }
-    let decimated = csv.decimate.as_ref().map(|d| d.span);
-    let span = csv.window.as_ref().map_or(decimated.unwrap_or(csv.path.span), |(a, b)| a.span.to(b.span));
-    let mut d =
-        Diagnostic::error(format!("only {} samples are left of `{}`", table.time.len(), csv.path.value))
-            .at(spec, span, "");
-    if csv.in_memory {
-        return Err(d.help(format!("a record needs at least {fewest}")));
-    }
-    if let Some((first, last)) = table.extent {
-        d = d.help(format!("the file's time runs from {first} s to {last} s"));
-    }
-    if decimated.is_some() {
-        d = d.help("each of them is the mean of as many rows as `decimate` says: a record needs at least 10");
-    }
-    Err(d)
-}
-
 /// Whether two records show the same run of the same file, whatever their windows: the same rows, and a state
 /// that both read from the same column. A file may hold one experiment beside the other, in columns.
 fn same_run(a: &CsvSpec, b: &CsvSpec, system: &System) -> bool {
@@ -290,15 +260,16 @@ fn same_run(a: &CsvSpec, b: &CsvSpec, system: &System) -> bool {
     };
     let run = |csv: &CsvSpec| csv.run.as_ref().map(|run| run.value);
     let sheet = |csv: &CsvSpec| csv.sheet.as_ref().map(|sheet| sheet.value.clone());
-    let column = |csv: &'_ CsvSpec, state: &str| -> Option<String> {
+    let column = |csv: &'_ CsvSpec, state: &str| -> Option<(String, String)> {
         let (_, column) = csv.columns.iter().find(|(name, _)| name.value == state)?;
-        Some(column.header.value.clone())
+        let stream = csv.streams.iter().find(|stream| stream.name.value == state);
+        let file = stream.and_then(|stream| stream.path.as_ref()).unwrap_or(&csv.path);
+        Some((file.value.clone(), column.header.value.clone()))
     };
     let shared = |name: &String| column(a, name).is_some_and(|own| column(b, name) == Some(own));
     // The origin of arrays in memory is not known.
     !a.in_memory
         && system.quantities().take(system.columns()).any(|(name, _)| shared(&name.to_owned()))
-        && a.path.value == b.path.value
         && sheet(a) == sheet(b)
         && rows(a) == rows(b)
         && run(a) == run(b)

@@ -24,7 +24,7 @@ impl SensorParameter {
     }
 }
 
-/// The reading of a sensor: `gain * quantity(t - delay) + offset`.
+/// The reading of a sensor: `gain * quantity(t - delay + clock*(t - since)) + offset`.
 ///
 /// ```
 /// use phisindy_phys::{Sensor, SensorParameter};
@@ -42,11 +42,27 @@ pub struct Sensor {
     pub gain: SensorParameter,
     /// Delay in seconds.
     pub delay: SensorParameter,
+    /// By which part of itself the true time that passes is longer than that of the sensor's clock.
+    pub clock: SensorParameter,
+    /// Since when its clock drifts: the first time of its file (s).
+    pub since: f64,
+    /// The step of the column (SI), if it is known.
+    pub quantum: Option<f64>,
     /// For an input derived from another one: the index of that input, which has the sensor.
     pub follows: Option<usize>,
 }
 
 impl Sensor {
+    /// What may be to be found: offset, gain, delay, clock.
+    pub fn parameters(&self) -> [&SensorParameter; 4] {
+        [&self.offset, &self.gain, &self.delay, &self.clock]
+    }
+
+    /// The same, to be changed.
+    pub fn parameters_mut(&mut self) -> [&mut SensorParameter; 4] {
+        [&mut self.offset, &mut self.gain, &mut self.delay, &mut self.clock]
+    }
+
     /// Offset and gain as far as they are known before a fit: a zero that is to be found is taken for none, for the
     /// motion is nearly the same about any; a scale counts from where it starts.
     ///
@@ -74,11 +90,12 @@ impl Sensor {
         let known = |p: &SensorParameter, perfect: f64| if p.within.is_none() { p.start } else { perfect };
         let (offset, gain, delay) =
             (known(&self.offset, 0.0), known(&self.gain, 1.0), known(&self.delay, 0.0));
-        let late = if delay == 0.0 {
+        let clock = known(&self.clock, 0.0);
+        let late = if (delay, clock) == (0.0, 0.0) {
             values
         } else {
             let signal = Signal::new(time.clone(), values, kind)?;
-            time.iter().map(|t| signal.value(t - delay)).collect()
+            time.iter().map(|t| signal.value(t - delay + clock * (t - self.since))).collect()
         };
         Ok(if (offset, gain) == (0.0, 1.0) { late } else { late.iter().map(|x| gain * x + offset).collect() })
     }
@@ -94,12 +111,13 @@ impl Sensor {
         column: Vec<f64>,
         kind: Interpolation,
     ) -> Result<Vec<f64>, SignalError> {
-        let (offset, gain, delay) = (self.offset.start, self.gain.start, self.delay.start);
-        let column = if delay == 0.0 {
+        let [offset, gain, delay, clock] = self.parameters().map(|p| p.start);
+        let column = if (delay, clock) == (0.0, 0.0) {
             column
         } else {
             let signal = Signal::new(time.clone(), column, kind)?;
-            time.iter().map(|t| signal.value(t + delay)).collect()
+            let shown = |t: f64| t + (delay - clock * (t - self.since)) / (1.0 + clock);
+            time.iter().map(|&t| signal.value(shown(t))).collect()
         };
         Ok(if (offset, gain) == (0.0, 1.0) {
             column
@@ -112,6 +130,8 @@ impl Sensor {
 impl Default for Sensor {
     fn default() -> Self {
         let fixed = SensorParameter::fixed;
-        Sensor { offset: fixed(0.0), gain: fixed(1.0), delay: fixed(0.0), follows: None }
+        let clock = fixed(0.0);
+        let (offset, gain, delay) = (fixed(0.0), fixed(1.0), fixed(0.0));
+        Sensor { offset, gain, delay, clock, since: 0.0, quantum: None, follows: None }
     }
 }

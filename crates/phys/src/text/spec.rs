@@ -15,6 +15,7 @@ mod read;
 pub(crate) mod reader;
 mod record;
 mod size;
+mod stream;
 
 pub use energy::EnergySpec;
 pub use limits::LimitsSpec;
@@ -240,8 +241,10 @@ pub struct CsvSpec {
     pub time: ColumnSpec,
     /// `Rate(1000.0)` in the place of a column of time: rows per second.
     pub rate: Option<Number>,
-    /// States and inputs, and the columns that measure them.
+    /// States and inputs, and the columns that measure them; those of `streams` too.
     pub columns: Vec<(Text, ColumnSpec)>,
+    /// Those of the columns that have times of their own.
+    pub streams: Vec<StreamSpec>,
     /// Inputs that are computed.
     pub derive: Vec<(Text, DeriveSpec)>,
     /// Imperfections of the sensors.
@@ -280,6 +283,25 @@ pub struct CsvSpec {
     pub span: Span,
 }
 
+/// Where a column with times of its own stands.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StreamSpec {
+    /// The state, output or input.
+    pub name: Text,
+    /// Its file; None: that of the record.
+    pub path: Option<Text>,
+    /// As that of a record.
+    pub sheet: Option<Text>,
+    /// Its column of time; its heading is empty where a rate is given.
+    pub time: ColumnSpec,
+    /// `Rate(1000.0)` in the place of a column of time.
+    pub rate: Option<Number>,
+    /// Its column, which is one of those of the record too.
+    pub column: ColumnSpec,
+    /// The whole stream.
+    pub span: Span,
+}
+
 /// How an input is computed.
 #[derive(Clone, Debug, PartialEq)]
 pub enum DeriveSpec {
@@ -296,6 +318,14 @@ pub struct SensorSpec {
     pub gain: Option<SensorValue>,
     /// How late the column is, in seconds unless a unit is given.
     pub delay: Option<SensorValue>,
+    /// By which part of itself a second of the sensor's clock is too short.
+    pub clock: Option<SensorValue>,
+    /// The step of the column, and the unit that is written beside it; None: seen from the data.
+    pub quantum: Option<(Number, Option<Text>)>,
+    /// The unit of a column of counts: `rev/4096`.
+    pub per: Option<Text>,
+    /// After how much the column begins anew (SI).
+    pub unwrap: Option<Number>,
     /// What takes the high frequencies off the column.
     pub lowpass: Option<FilterSpec>,
     /// What takes the constant part and the low frequencies off the column.

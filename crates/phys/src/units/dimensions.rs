@@ -397,6 +397,7 @@ impl<'s> Survey<'s> {
                 ("offset", self.of(name), &sensor.offset),
                 ("delay", second.clone(), &sensor.delay),
                 ("gain", plain.clone(), &sensor.gain),
+                ("clock", plain.clone(), &sensor.clock),
             ];
             for (what, due, value) in values {
                 let what = format!("the {what} of `{}`", name.value);

@@ -73,7 +73,11 @@ fn quantities(list: &[Quantity]) -> String {
 
 /// The reading of a sensor as a formula.
 fn reading(column: &str, sensor: &Sensor) -> String {
-    let (offset, gain, delay) = (sensor.offset.start, sensor.gain.start, sensor.delay.start);
+    let [offset, gain, delay, clock] = sensor.parameters().map(|p| p.start);
+    if clock != 0.0 {
+        let since = sensor.since;
+        return format!("{offset:?} + {gain:?}*{column}(t - {delay:?} s + {clock:?}*(t - {since:?} s))");
+    }
     format!("{offset:?} + {gain:?}*{column}(t - {delay:?} s)")
 }
 

@@ -91,9 +91,13 @@ struct RecordOut<'a> {
 
 #[derive(Serialize)]
 struct SensorOut {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    clock: Option<f64>,
     delay: f64,
     gain: f64,
     offset: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    since: Option<f64>,
 }
 
 /// A node of an expression; `args` are indices into the list of nodes.
@@ -179,7 +183,9 @@ fn record<'a>(r: &'a RecordNote, states: &'a [Quantity]) -> RecordOut<'a> {
 }
 
 fn sensor(s: &Sensor) -> SensorOut {
-    SensorOut { delay: s.delay.start, gain: s.gain.start, offset: s.offset.start }
+    let [offset, gain, delay, clock] = s.parameters().map(|p| p.start);
+    let since = (clock != 0.0).then_some(s.since);
+    SensorOut { clock: since.map(|_| clock), delay, gain, offset, since }
 }
 
 /// The name of an operation; negation has no name in the language of specs.

@@ -54,7 +54,7 @@ pub(crate) fn fixed_values(input: Input<'_>, found: &Identified) -> Vec<FixedVal
         all.extend(of_records(name, input, &value));
     }
     for (k, (column, own)) in system.quantities().enumerate() {
-        for (part, idle) in SensorPart::ALL.into_iter().zip([0.0, 1.0, 0.0]) {
+        for (part, idle) in SensorPart::ALL.into_iter().zip([0.0, 1.0, 0.0, 0.0]) {
             let (name, unit) = (format!("{column}.{}", part.name()), part.unit(own));
             let moved = |r: usize| {
                 found.parameters.iter().any(|p| p.id.sensor() == Some((k, part)) && p.id.holds_in(r))
@@ -65,11 +65,7 @@ pub(crate) fn fixed_values(input: Input<'_>, found: &Identified) -> Vec<FixedVal
                 if s.follows.is_some() {
                     return None;
                 }
-                let parameter = match part {
-                    SensorPart::Offset => &s.offset,
-                    SensorPart::Gain => &s.gain,
-                    SensorPart::Delay => &s.delay,
-                };
+                let parameter = s.parameters()[part as usize];
                 // Shared constants are listed as constants.
                 let told =
                     parameter.shared.is_none() && (parameter.start != idle || parameter.within.is_some());

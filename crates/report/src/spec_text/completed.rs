@@ -79,6 +79,7 @@ fn searched<'a>(data: &'a DataSpec, column: &str, part: SensorPart) -> Option<&'
         SensorPart::Offset => &sensor.offset,
         SensorPart::Gain => &sensor.gain,
         SensorPart::Delay => &sensor.delay,
+        SensorPart::Clock => &sensor.clock,
     };
     match value {
         Some(SensorValue::Find(find)) => Some(find),

@@ -35,7 +35,7 @@ fn told(m: f64, c: f64, k: f64, order: [usize; 3], scale: [f64; 3]) -> String {
     }
     let columns = order.map(|k| columns[k].clone()).to_vec();
     let table =
-        crate::system::record::Table { time: time.clone(), columns, lines: vec![], ..Default::default() };
+        crate::system::table::Table { time: time.clone(), columns, lines: vec![], ..Default::default() };
     let record = Record::from_table(&case.records[0], &table, &case.system, id).unwrap();
     let mut found = vec![];
     balance(&case.system, &record, &mut found);
@@ -113,7 +113,7 @@ fn swing(hangs: f64, sensor: &str) -> String {
         }
     }
     let table =
-        crate::system::record::Table { time, columns: vec![column], lines: vec![], ..Default::default() };
+        crate::system::table::Table { time, columns: vec![column], lines: vec![], ..Default::default() };
     let record = Record::from_table(&case.records[0], &table, &case.system, id).unwrap();
     let mut found = vec![];
     balance(&case.system, &record, &mut found);

@@ -12,16 +12,20 @@ impl Checker {
     /// The plan of a record whose rows a file holds; none after an error.
     pub(super) fn csv(&mut self, csv: &CsvSpec, spec: &Spec, system: &System) -> Option<RecordPlan> {
         let errors = self.errors();
-        let path = std::path::Path::new(&csv.path.value);
-        let plain = path
-            .components()
-            .all(|c| matches!(c, std::path::Component::Normal(_) | std::path::Component::CurDir));
-        if !csv.in_memory && (!plain || csv.path.value.contains('\\')) {
-            self.error(format!("`{}` leads out of the data folder", csv.path.value), csv.path.span, "")
-                .help
-                .push("name the file alone, and its folder with --data".into());
+        let own_files = csv.streams.iter().filter_map(|stream| stream.path.as_ref());
+        for name in [&csv.path].into_iter().chain(own_files.filter(|path| **path != csv.path)) {
+            let plain = std::path::Path::new(&name.value)
+                .components()
+                .all(|c| matches!(c, std::path::Component::Normal(_) | std::path::Component::CurDir));
+            if !csv.in_memory && (!plain || name.value.contains('\\')) {
+                self.error(format!("`{}` leads out of the data folder", name.value), name.span, "")
+                    .help
+                    .push("name the file alone, and its folder with --data".into());
+            }
         }
-        if let Some(unit) = &csv.time.unit {
+        let times =
+            [&csv.time].into_iter().chain(csv.streams.iter().map(|s| &s.time).filter(|t| **t != csv.time));
+        for unit in times.filter_map(|time| time.unit.as_ref()) {
             let theirs = self.unit(unit).dimension;
             if theirs != Dimension::SECOND {
                 self.error(format!("`{}` is no unit of time", unit.value), unit.span, "")

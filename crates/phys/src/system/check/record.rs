@@ -6,6 +6,7 @@ use crate::system::constants::Value;
 use crate::system::equations::System;
 use crate::system::sensor::{Sensor, SensorParameter};
 use crate::text::spec::{DataSpec, DeriveSpec, Number, SensorSpec, SensorValue, Spec, Text};
+use crate::units::unit::Unit;
 use phisindy_signal::{Differentiator, Interpolation};
 
 impl Checker {
@@ -47,7 +48,20 @@ impl Checker {
                 self.unknown_name(&name.value, name.span, "column in `sensors`", &quantity_names(system));
                 continue;
             };
-            let slots = [(&sensor.offset, 0), (&sensor.gain, 1), (&sensor.delay, 2)];
+            if let Some((step, unit)) = &sensor.quantum {
+                let theirs = unit.as_ref().map(|unit| (unit, self.unit(unit)));
+                let own = system.quantities().nth(index).map_or("", |(_, own)| own);
+                let wrong = |unit: Unit| Unit::parse(own).is_ok_and(|own| own.dimension != unit.dimension);
+                if let Some((unit, _)) = theirs.filter(|(_, theirs)| wrong(*theirs)) {
+                    let message = format!(
+                        "the quantum of `{}` is in `{}`, and it is in `{own}`",
+                        name.value, unit.value
+                    );
+                    self.error(message, unit.span, "").help.push("give a unit of the same kind".into());
+                }
+                all[index].quantum = Some(self.si(step, theirs.map_or(1.0, |(_, unit)| unit.factor)));
+            }
+            let slots = [(&sensor.offset, 0), (&sensor.gain, 1), (&sensor.delay, 2), (&sensor.clock, 3)];
             for (value, which) in slots {
                 let Some(value) = value else { continue };
                 let parameter = match value {
@@ -77,11 +91,7 @@ impl Checker {
                         }
                     }
                 };
-                let target = &mut all[index];
-                *[&mut target.offset, &mut target.gain, &mut target.delay]
-                    .into_iter()
-                    .nth(which)
-                    .expect("three sensor parameters") = parameter;
+                *all[index].parameters_mut()[which] = parameter;
             }
         }
         let n = system.columns();

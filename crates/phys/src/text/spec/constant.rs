@@ -105,13 +105,16 @@ impl Reader<'_> {
 
     /// Offset, gain, delay and filters of a column.
     pub(super) fn sensor(&mut self, node: &Node) -> Option<SensorSpec> {
-        let fields = self.fields(node, "a sensor", &["offset", "gain", "delay", "lowpass", "highpass"])?;
+        const FIELDS: &[&str] =
+            &["offset", "gain", "delay", "clock", "quantum", "per", "unwrap", "lowpass", "highpass"];
+        let fields = self.fields(node, "a sensor", FIELDS)?;
         let offset = self.optional(&fields, "offset", Self::sensor_value);
         let gain = self.optional(&fields, "gain", Self::sensor_value);
         let delay = self.optional(&fields, "delay", Self::sensor_value);
+        let clock = self.optional(&fields, "clock", Self::sensor_value);
         let lowpass = self.optional(&fields, "lowpass", Self::filter);
         let highpass = self.optional(&fields, "highpass", Self::filter);
-        Some(SensorSpec { offset, gain, delay, lowpass, highpass })
+        Some(SensorSpec { offset, gain, delay, clock, lowpass, highpass, ..self.channel(&fields) })
     }
 
     /// `(order: 2, cutoff: (500.0, "Hz"))`

@@ -16,6 +16,7 @@ impl Reader<'_> {
             "name",
             "time",
             "columns",
+            "streams",
             "derive",
             "sensors",
             "rows",
@@ -37,29 +38,46 @@ impl Reader<'_> {
             true => self.fields(node, "`Table`", FIELDS)?,
             false => self.fields(node, "`Csv`", &FIELDS[1..])?,
         };
-        let path = self.required(&fields, "path", Self::words);
         let sheet = if any_format { self.optional(&fields, "sheet", Self::prose) } else { None };
-        let time = self.required(&fields, "time", Self::time);
-        let columns = self.required(&fields, "columns", |r, n| r.map(n, Self::column));
+        let stated = self.optional(&fields, "time", Self::time);
+        let (streams, of_record) = self.streams(&fields, any_format, stated.as_ref());
+        let path = match streams.iter().find_map(|s| s.spec.path.clone()).filter(|_| !of_record.file) {
+            Some(first) => self.optional(&fields, "path", Self::words).or(Some(first)),
+            None => self.required(&fields, "path", Self::words),
+        };
+        let time = match streams.first().filter(|_| !of_record.time) {
+            _ if fields.get("time").is_some() => stated,
+            Some(first) => Some((first.spec.time.clone(), first.spec.rate.clone())),
+            None => self.required(&fields, "time", Self::time),
+        };
+        let mut columns = match streams.is_empty() {
+            true => self.required(&fields, "columns", |r, n| r.map(n, Self::column)),
+            false => self.optional(&fields, "columns", |r, n| r.map(n, Self::column)).or(Some(vec![])),
+        };
+        if let Some(columns) = &mut columns {
+            self.own_times(columns, &streams);
+        }
         let separator = self.optional(&fields, "separator", Self::character);
         let decimal = self.optional(&fields, "decimal", Self::character);
         self.different(separator.as_ref(), decimal.as_ref());
         let (name, window, role) = (self.name(&fields), self.window(&fields), self.role(&fields));
         let derive = self.pairs(&fields, "derive", Self::derive);
-        let sensors = self.pairs(&fields, "sensors", Self::sensor);
+        let mut sensors = self.pairs(&fields, "sensors", Self::sensor);
         let rows = self.pairs(&fields, "rows", Self::number);
         let start = self.pairs(&fields, "start", Self::number);
         let header = self.optional(&fields, "header", Self::truth);
         let skip = self.optional(&fields, "skip", Self::whole).map_or(0, |n| n.value as usize);
         let run = self.optional(&fields, "run", Self::whole);
-        let interpolate = self.pairs(&fields, "interpolate", Self::interpolation);
+        let mut interpolate = self.pairs(&fields, "interpolate", Self::interpolation);
         let constants = self.pairs(&fields, "constants", Self::constant);
         let decimate = self.optional(&fields, "decimate", Self::count);
         let omits_missing = self.optional(&fields, "missing", Self::missing).unwrap_or(false);
         let detrend = self.pairs(&fields, "detrend", Self::detrend);
-        if let Some(columns) = &columns {
+        if let Some(columns) = &mut columns {
             self.measured(&detrend, columns);
+            self.channels(&streams, &mut sensors, &mut interpolate, columns);
         }
+        let streams = streams.into_iter().map(|stream| stream.spec).collect();
         let (time, rate) = time?;
         Some(CsvSpec {
             path: path?,
@@ -70,6 +88,7 @@ impl Reader<'_> {
             time,
             rate,
             columns: columns?,
+            streams,
             derive,
             sensors,
             rows,
@@ -114,6 +133,7 @@ impl Reader<'_> {
             time: ColumnSpec { header: here("t"), unit: None },
             rate: None,
             columns: columns?.into_iter().map(plain).collect(),
+            streams: vec![],
             derive,
             sensors,
             rows: vec![],
@@ -166,6 +186,10 @@ impl Reader<'_> {
         let inputs = self.pairs(&fields, "inputs", Self::input);
         let derive = self.pairs(&fields, "derive", Self::derive);
         let sensors = self.pairs(&fields, "sensors", Self::sensor);
+        for (name, _) in sensors.iter().filter(|(_, s)| s.per.is_some() || s.unwrap.is_some()) {
+            let message = format!("the column of `{}` is made here: it counts nothing", name.value);
+            self.wrong::<()>(name.span, message, "`per` and `unwrap` are for files", "delete them");
+        }
         let measure = self.optional(&fields, "measure", |r, n| {
             r.filled(n, "name what is measured, or leave the list out", Self::words)
         });
@@ -205,7 +229,7 @@ impl Reader<'_> {
     }
 
     /// A column, or `Rate(1000.0)` where the file has none of time.
-    fn time(&mut self, node: &Node) -> Option<(ColumnSpec, Option<Number>)> {
+    pub(super) fn time(&mut self, node: &Node) -> Option<(ColumnSpec, Option<Number>)> {
         if self.variant(node) != Some("Rate") {
             return self.column(node).map(|column| (column, None));
         }
