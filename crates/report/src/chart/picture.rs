@@ -34,6 +34,11 @@ impl Chart {
         Chart { name, title, description, width, height, body: vec![], cuts: vec![] }
     }
 
+    /// Its width as it is drawn.
+    pub(crate) fn width(&self) -> f64 {
+        self.width
+    }
+
     /// Adds elements.
     pub(crate) fn draw(&mut self, parts: impl IntoIterator<Item = Element>) {
         self.body.extend(parts);

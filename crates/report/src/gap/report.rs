@@ -1,7 +1,7 @@
 //! The result of the gap workflow with what a report says beside it.
 
 use crate::input::{Ending, Input};
-use crate::seen::{Model, Seen};
+use crate::seen::{Model, Seen, Shown};
 use phisindy_gap::{Gap, Warning};
 use phisindy_phys::LawEntry;
 
@@ -22,6 +22,11 @@ impl<'a> GapReport<'a> {
     /// Warnings that the text of the result does not hold.
     pub fn notes(&self) -> impl Iterator<Item = &'a Warning> {
         self.gap.warnings.iter().filter(|w| !matches!(w, Warning::Alternative(_)))
+    }
+
+    /// Each measured column beside what the model says of it.
+    pub fn shown(&self) -> Vec<Shown> {
+        self.seen().shown()
     }
 
     /// The records with the model before and after effects were added.

@@ -10,6 +10,7 @@ use crate::format::{capital, role_name as role};
 use crate::gap::{Balance, Finding, GapReport, balance, finding, remarks, rivals, symbol};
 use crate::input::{Ending, Invocation};
 use crate::markup::{Element, element};
+use crate::sketch;
 use crate::seen::{Seen, notes};
 use phisindy_gap::{ColumnGap, ColumnRepeat, Gap, Region, Status, Step, Warning};
 use phisindy_phys::{Case, LawEntry};
@@ -28,6 +29,7 @@ pub(crate) fn page(report: &GapReport<'_>, invocation: &Invocation) -> Page {
     }
     next::add(&mut page, &steps);
     first_screen(&mut page, found, &seen, &balances);
+    page.sketch(sketch::of_gap(report));
     page.section("All laws that were tried", leaderboard(found, catalogue));
     effects(&mut page, found, catalogue, &balances);
     // A law that is ruled out is told beside its step.

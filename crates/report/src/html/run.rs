@@ -9,6 +9,7 @@ use crate::format::{capital, role_name as role};
 use crate::input::Invocation;
 use crate::markup::{Element, element};
 use crate::run::{RunReport, found_words};
+use crate::sketch;
 use crate::seen::Seen;
 use phisindy_learn::{RecordFit, Verdict};
 use phisindy_phys::spec::Role;
@@ -22,6 +23,7 @@ pub(crate) fn page(report: &RunReport<'_>, invocation: &Invocation) -> Page {
         next::add(&mut page, &next::after_rejection(why, input.name));
     }
     first_screen(&mut page, report, &seen);
+    page.sketch(sketch::of_run(report));
     add_warnings(&mut page, &report.warnings);
     page.section("Equation", equations(report));
     page.section("Coefficients", coefficients(report));

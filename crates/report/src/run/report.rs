@@ -5,7 +5,7 @@ use super::fixed::{FixedValue, fixed_values};
 use crate::equation::{Equation, equations};
 use crate::html::friction::{force_unit, rate};
 use crate::input::{Ending, Input};
-use crate::seen::{Model, Seen};
+use crate::seen::{Model, Seen, Shown};
 use crate::table::short;
 use phisindy_learn::{Adapted, FoundTerm, Identified, RecordFit, Remainder};
 use phisindy_phys::spec::Role;
@@ -47,6 +47,11 @@ impl<'a> RunReport<'a> {
         }
         let fixed = fixed_values(input, found);
         RunReport { input, identified: found, equations, fixed, warnings, notes, ending }
+    }
+
+    /// Each measured column beside what the model says of it.
+    pub fn shown(&self) -> Vec<Shown> {
+        self.seen().shown()
     }
 
     /// The records with the identified model.
