@@ -45,6 +45,18 @@ fn a_terminal_gets_unicode_colours_a_plot_and_the_report_last() {
     assert!(latex.contains("\\dot{y}"), "{latex}");
 }
 
+#[test]
+fn a_terminal_gets_the_sketch_of_a_model_that_is_checked_and_a_pipe_does_not() {
+    let Some(said) = at_terminal(&["check", "specs/case5.ron"], false) else { return };
+    for part in ["x₁, m₁ = 1 kg", "spring k₂ = 1 N/m to x₂", "friction to the ground, asked for"] {
+        assert!(said.contains(part), "{part}: {said}");
+    }
+    let quiet = at_terminal(&["check", "specs/case5.ron", "--quiet"], false).expect("a terminal as before");
+    assert_eq!(quiet, "");
+    let piped = program(&["check", "specs/case5.ron"]).output().expect("the program");
+    assert_eq!(String::from_utf8_lossy(&piped.stdout), "");
+}
+
 /// The rows of a screen of `wide` columns after what a program wrote: new lines, returns, moves up and down,
 /// erasing, and the wrap of a line that is full.
 fn screen(said: &str, wide: usize) -> Vec<String> {

@@ -149,7 +149,7 @@ impl Page {
             .with("tabindex", 0)
             .with("role", "group")
             .with("aria-label", "sketch of the model")
-            .add(held.add(chart.inline("").with("id", &chart.name)));
+            .add(held.add(chart.named()));
         let caption = element("figcaption").text(tied(&caption));
         self.section("The model", [element("figure").add(scroll).add(caption)]);
         self.charts.push(chart);

@@ -21,6 +21,8 @@ const SENSOR: f64 = 26.0;
 const ARROW: f64 = 36.0;
 /// Between two stems on a body.
 const PORT: f64 = 14.0;
+/// Part of a disc that stems leave free at each side: its rim is low there.
+const IN_DISC: f64 = 0.16;
 /// Height of an arrow of a force beside a body, with its words.
 const BESIDE: f64 = 38.0;
 /// Least length of an arrow.
@@ -66,7 +68,9 @@ fn order(scheme: &Scheme) -> Vec<usize> {
         let place = |b: usize| order.iter().position(|&x| x == b).unwrap_or(0);
         let far = |&(a, b): &(usize, usize)| 10 * (place(a).abs_diff(place(b)) - 1);
         let inner = |&b: &usize| usize::from(place(b) != 0 && place(b) + 1 != n);
-        joined.iter().map(far).sum::<usize>() + held.iter().map(inner).sum::<usize>()
+        // The order of the spec is left for something only.
+        let turned = (0..n).flat_map(|i| (i + 1..n).map(move |j| (i, j))).filter(|&(i, j)| order[i] > order[j]);
+        joined.iter().map(far).sum::<usize>() + held.iter().map(inner).sum::<usize>() + 10 * turned.count()
     };
     let mut best: Vec<usize> = (0..n).collect();
     // Heap's algorithm.
@@ -142,7 +146,8 @@ fn mechanism(scheme: &Scheme, canvas: &mut Canvas) -> f64 {
             let of = &scheme.bodies[body];
             let top = if sensors.is_empty() { 0.0 } else { 28.0 + width_of(&sensors) };
             let inside = (1.08 * width_of(&of.name)).max(width_of(&of.inertia)) + if of.turns { 30.0 } else { 20.0 };
-            let wide = BODY.0.max(inside).max(top + PORT * ports as f64 + 12.0).max(below.least());
+            let free = if of.turns { 1.6 } else { 1.0 };
+            let wide = BODY.0.max(inside).max(free * (top + PORT * ports as f64 + 12.0)).max(below.least());
             Column { body, below, sensors, above, beside, before, wide, middle: 0.0 }
         })
         .collect();
@@ -160,6 +165,12 @@ fn mechanism(scheme: &Scheme, canvas: &mut Canvas) -> f64 {
     let sensing = if columns.iter().any(|c| !c.sensors.is_empty()) { SENSOR } else { 0.0 };
     let top = MARGIN + lanes + arrows + sensing;
     place_columns(&mut columns);
+    // The upper edge of a body.
+    let rim = |c: &Column<'_>, x: f64| match scheme.bodies[c.body].turns {
+        true => top + 0.5 * high - (0.25 * high * high - (x - c.middle).powi(2)).max(0.0).sqrt(),
+        false => top,
+    };
+    let first_port = |c: &Column<'_>| c.middle + port_of(c, scheme.bodies[c.body].turns);
     // Bodies.
     for c in &columns {
         let of = &scheme.bodies[c.body];
@@ -173,9 +184,12 @@ fn mechanism(scheme: &Scheme, canvas: &mut Canvas) -> f64 {
         }
         if !c.sensors.is_empty() {
             let known = if of.lit.is_empty() { Known::Stated } else { Known::Found };
-            let base = if of.turns { top + 6.0 } else { top };
-            canvas.sensor((left + 14.0, base.min(top)), known);
-            canvas.words(&c.sensors, (left + 25.0, top - 12.0), &format!("label {}", class(known)));
+            let x = left + if of.turns { IN_DISC * c.wide } else { 14.0 };
+            canvas.sensor((x, top), known);
+            if of.turns {
+                canvas.rod((x, top), (x, rim(c, x)), known);
+            }
+            canvas.words(&c.sensors, (x + 11.0, top - 12.0), &format!("label {}", class(known)));
         }
     }
     // What is between them.
@@ -213,10 +227,10 @@ fn mechanism(scheme: &Scheme, canvas: &mut Canvas) -> f64 {
             canvas.arrow((x, y), long, push.known);
             canvas.words(&push.words, (x + 4.0, y - 16.0), &format!("label {}", class(push.known)));
         }
-        let mut port = c.middle + 0.5 * c.wide - 8.0;
+        let mut port = first_port(c);
         for (k, push) in c.above.iter().enumerate() {
             let y = top - sensing - ARROW * k as f64 - 6.0;
-            canvas.stem((port, top), y, push.known);
+            canvas.stem((port, rim(c, port)), y, push.known);
             canvas.arrow((port, y), LONG, push.known);
             canvas.words(&push.words, (port + 4.0, y - 15.0), &format!("label {}", class(push.known)));
             port -= PORT;
@@ -228,7 +242,7 @@ fn mechanism(scheme: &Scheme, canvas: &mut Canvas) -> f64 {
         let port = |of: usize| {
             let c = &columns[of];
             let before = far[..k].iter().filter(|(a, b, _)| *a == of || *b == of).count();
-            c.middle + 0.5 * c.wide - 8.0 - PORT * (c.above.len() + before) as f64
+            first_port(c) - PORT * (c.above.len() + before) as f64
         };
         let (from, to) = (port(*a), port(*b));
         let line = y + LINE * part.words.len() as f64 + HALF;
@@ -239,8 +253,8 @@ fn mechanism(scheme: &Scheme, canvas: &mut Canvas) -> f64 {
         let rooms = cuts.windows(2).map(|pair| (pair[0], pair[1]));
         let (left, right) = rooms.max_by(|p, q| (p.1 - p.0).total_cmp(&(q.1 - q.0))).unwrap_or((from, to));
         canvas.lines(&part.words, (0.5 * (left + right), y), &format!("label middle {}", class(part.known)));
-        for x in [from, to] {
-            canvas.stem((x, top), line, part.known);
+        for (of, x) in [(*a, from), (*b, to)] {
+            canvas.stem((x, rim(&columns[of], x)), line, part.known);
             stems.push(x);
         }
         canvas.rod((from, line), (left, line), part.known);
@@ -254,6 +268,11 @@ fn mechanism(scheme: &Scheme, canvas: &mut Canvas) -> f64 {
         bottom = bottom.max(c.below.draw(canvas, &scheme.bases, (c.middle, top + high, 0.5 * high)));
     }
     bottom
+}
+
+/// Where the first stem stands on a body, from its middle.
+fn port_of(c: &Column<'_>, turns: bool) -> f64 {
+    if turns { (0.5 - IN_DISC) * c.wide } else { 0.5 * c.wide - 8.0 }
 }
 
 /// The columns that sensors read of a body, with what was found of them.
