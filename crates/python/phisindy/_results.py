@@ -392,7 +392,9 @@ class Gap(_Result):
 
     def _numbers(self) -> list[dict[str, Any]]:
         laws = [
-            _number(f"{step['law']} at {step['at']}", one["name"], one) for step in self.steps for one in step["parameters"]
+            _number(f"{step['law']} at {step['at']}", name, one)
+            for step in self.steps
+            for name, one in step["parameters"].items()
         ]
         return laws + super()._numbers()
 

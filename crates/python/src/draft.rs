@@ -4,6 +4,7 @@ use crate::errors::DataError;
 use phisindy::files::open_plain_file;
 use phisindy_expr::Span;
 use phisindy_import::{Answers, CountUnit, DataFile, Draft, accepted, spec_text, summary, table};
+use phisindy_phys::unit::Unit;
 use phisindy_phys::{Diagnostic, Sources};
 use pyo3::prelude::*;
 use std::io::Cursor;
@@ -34,6 +35,13 @@ fn draft(
         Ok(CountUnit { heading, unit })
     });
     let counts: Vec<CountUnit> = counts.collect::<Result<_, String>>().map_err(DataError::new_err)?;
+    if rate.is_some_and(|rate| !(rate.is_normal() && rate > 0.0)) {
+        return Err(DataError::new_err("rate: give a number of rows per second above zero"));
+    }
+    let second = Unit::parse("s").map(|unit| unit.dimension).ok();
+    if time_unit.as_ref().is_some_and(|unit| Unit::parse(unit).ok().map(|u| u.dimension) != second) {
+        return Err(DataError::new_err("time_unit: give a unit of time, such as s, ms, us, ns"));
+    }
     let answers = Answers { rate, columns, time_unit, counts };
     py.detach(|| drafted(&path, bytes, sheet.as_deref(), &answers)).map_err(DataError::new_err)
 }

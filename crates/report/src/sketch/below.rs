@@ -45,28 +45,29 @@ impl<'s> Below<'s> {
         self.parts.iter().map(|p| self.wide(p)).sum::<f64>() + apart
     }
 
-    /// Half of its width.
-    pub(super) fn half(&self) -> f64 {
-        0.5 * self.total()
+    /// The least width of the body above: what hangs on rods must meet it; the words of the last may stand out.
+    pub(super) fn least(&self) -> f64 {
+        match (&self.parts[..], self.parts.last()) {
+            ([_, .., _], Some(last)) if last.kind != Kind::Friction => self.total() - words_wide(last) - 8.0,
+            ([_, .., _], _) => self.total(),
+            _ => 0.0,
+        }
     }
 
-    /// The least width of the body above: several parts, or one on a rod, must meet it.
-    pub(super) fn least(&self) -> f64 {
-        match self.parts[..] {
-            [] => 0.0,
-            [one] if is_below(one, self.turns) && one.kind == Kind::Friction => 0.0,
-            [_] => 2.0 * HALF,
-            _ => self.total(),
-        }
+    /// How far it reaches to the left and to the right of the middle of a body of this width.
+    pub(super) fn reach(&self, wide: f64) -> (f64, f64) {
+        let total = self.total();
+        let left = match self.parts[..] {
+            [one] if one.kind == Kind::Friction && !self.turns => 0.5 * total,
+            [_] => HALF,
+            _ => 0.5 * wide,
+        };
+        (left, total - left)
     }
 
     /// Draws it below a point; returns where it ends.
     pub(super) fn draw(&self, canvas: &mut Canvas, bases: &[String], (middle, top, radius): (f64, f64, f64)) -> f64 {
-        let (mut left, mut bottom) = (middle - self.half(), top);
-        // One rod is below the middle, wherever its words are.
-        if self.parts.len() == 1 && self.turns {
-            left = middle - HALF;
-        }
+        let (mut left, mut bottom) = (middle - self.reach(2.0 * radius).0, top);
         // The rim of a disc.
         let rim = |x: f64| match self.turns {
             true => top - radius + (radius * radius - (x - middle).powi(2)).max(0.0).sqrt(),

@@ -70,7 +70,7 @@ fn order(scheme: &Scheme) -> Vec<usize> {
         let inner = |&b: &usize| usize::from(place(b) != 0 && place(b) + 1 != n);
         // The order of the spec is left for something only.
         let turned = (0..n).flat_map(|i| (i + 1..n).map(move |j| (i, j))).filter(|&(i, j)| order[i] > order[j]);
-        joined.iter().map(far).sum::<usize>() + held.iter().map(inner).sum::<usize>() + 10 * turned.count()
+        joined.iter().map(far).sum::<usize>() + held.iter().map(inner).sum::<usize>() + 12 * turned.count()
     };
     let mut best: Vec<usize> = (0..n).collect();
     // Heap's algorithm.
@@ -265,7 +265,7 @@ fn mechanism(scheme: &Scheme, canvas: &mut Canvas) -> f64 {
     // Contacts and supports below.
     let mut bottom = top + high;
     for c in &columns {
-        bottom = bottom.max(c.below.draw(canvas, &scheme.bases, (c.middle, top + high, 0.5 * high)));
+        bottom = bottom.max(c.below.draw(canvas, &scheme.bases, (c.middle, top + high, 0.5 * c.wide)));
     }
     bottom
 }
@@ -295,11 +295,11 @@ fn place_columns(columns: &mut [Column<'_>]) {
         let half = 0.5 * c.wide;
         let at_wall = if c.before.is_empty() { MARGIN } else { MARGIN + WALL + wide };
         let middle = match k.checked_sub(1).map(|k| &columns[k]) {
-            None => (at_wall + half).max(x + c.below.half()),
+            None => (at_wall + half).max(x + c.below.reach(c.wide).0),
             Some(left) => {
                 let gap = if c.before.is_empty() { 30.0 } else { wide };
                 let rows = left.middle + 0.5 * left.wide + gap + half;
-                let below = left.middle + left.below.half() + c.below.half() + 14.0;
+                let below = left.middle + left.below.reach(left.wide).1 + c.below.reach(c.wide).0 + 14.0;
                 let arrows = left.middle + above(left) + half + 12.0;
                 rows.max(below).max(arrows)
             }
