@@ -36,6 +36,10 @@ fn a_terminal_gets_unicode_colours_a_plot_and_the_report_last() {
     assert!(said.chars().any(|c| ('\u{2801}'..='\u{28ff}').contains(&c)), "a plot: {said}");
     let last = said.trim_end().lines().last().expect("a line").to_owned();
     assert!(last.ends_with("report.html"), "{last}");
+    // What can be done with it stands above.
+    for next in ["phisindy next ", "phisindy simulate ", "phisindy export "] {
+        assert!(said.contains(next), "{next}: {said}");
+    }
 
     let plain = at_terminal(&run, false).expect("a terminal as before");
     let result = plain.split("identified").nth(1).expect("the result");

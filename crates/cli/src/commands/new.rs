@@ -2,7 +2,7 @@
 
 use crate::args::{NewArgs, Options};
 use crate::progress::Progress;
-use crate::terminal::{INPUT, look, print, remark};
+use crate::terminal::{INPUT, look, print, quoted, remark};
 use crate::{draw, outdir};
 use anyhow::{Result, anyhow};
 use phisindy::files;
@@ -171,11 +171,4 @@ fn next_command(args: &NewArgs, out: Option<&Path>) -> String {
 /// Whether two paths lead to one file or folder.
 fn same(a: &Path, b: &Path) -> bool {
     a.canonicalize().is_ok_and(|a| b.canonicalize().is_ok_and(|b| a == b))
-}
-
-/// The word quoted for a shell.
-fn quoted(path: &Path) -> String {
-    let text = path.display().to_string();
-    let plain = text.chars().all(|c| c.is_alphanumeric() || "/._-+=".contains(c));
-    if plain { text } else { format!("'{}'", text.replace('\'', "'\\''")) }
 }

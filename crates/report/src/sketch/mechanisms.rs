@@ -1,7 +1,7 @@
 //! Mechanisms whose sketches are tested: the model without its data, and what must stand in its sketch.
 
 /// Name, spec, sketch in words.
-pub(super) const MECHANISMS: [(&str, &str, &str); 14] = [
+pub(super) const MECHANISMS: [(&str, &str, &str); 25] = [
     (
         "cart with a hanging load",
         r#"constants: { "M": (2.0, "kg"), "m": (1.0, "kg"), "l": (0.6, "m"), "g": (9.81, "m/s^2"), "k": (20.0, "N/m"), "c": (2.0, "N*s/m"), "b": (0.02, "N*m*s") },
@@ -106,6 +106,80 @@ pub(super) const MECHANISMS: [(&str, &str, &str); 14] = [
         known: { "x1": "v1", "x2": "v2", "v1": "(-k*x1 - z + F)/m", "v2": "(z - k*x2)/m", "z": "A*(v1-v2) - s*abs(v1-v2)*z" },
         inertia: { "v1": "m", "v2": "m" }, unknown: {}"#,
         "x₁, m = 1 kg: spring k = 10 N/m to the ground; force z to x₂; force F. x₂, m = 1 kg: spring k = 10 N/m to the ground. z, its rate of v₁, v₂, z.",
+    ),
+    (
+        "lift with gravity",
+        r#"constants: { "m": (2.0, "kg"), "g": (9.81, "m/s^2"), "k": (100.0, "N/m"), "d": (0.01, "m") },
+        states: { "z": "m", "v": "m/s" }, known: { "z": "v", "v": "-g - k/m*dead(z, d)" }, inertia: { "v": "m" }, unknown: {}"#,
+        "",
+    ),
+    (
+        "vehicle on a road",
+        r#"constants: { "m": (1200.0, "kg"), "cr": (0.01, "1"), "g": (9.81, "m/s^2"), "cw": (0.4, "kg/m") },
+        states: { "v": "m/s" }, inputs: { "F": "N" }, known: { "v": "F/m - g*cr - cw/m*v*abs(v)" }, inertia: { "v": "m" }, unknown: {}, contacts: ["v"]"#,
+        "",
+    ),
+    (
+        "absorber on a shaken mass",
+        r#"constants: { "M": (10.0, "kg"), "m": (0.5, "kg"), "K": (1e3, "N/m"), "k": (50.0, "N/m"), "c": (0.4, "N*s/m") },
+        states: { "X": "m", "x": "m", "V": "m/s", "v": "m/s" }, inputs: { "u": "mm" },
+        known: { "X": "V", "x": "v", "V": "(-K*(X-u) - k*(X-x) - c*(V-v))/M", "v": "(k*(X-x) + c*(V-v))/m" }, unknown: {}, contacts: ["V"]"#,
+        "",
+    ),
+    (
+        "two coupled by a turning frame",
+        r#"constants: { "m": (1.0, "kg"), "k": (30.0, "N/m"), "G": (2.0, "N*s/m") },
+        states: { "x": "m", "y": "m", "vx": "m/s", "vy": "m/s" },
+        known: { "x": "vx", "y": "vy", "vx": "(-k*x + G*vy)/m", "vy": "(-k*y - G*vx)/m" }, inertia: { "vx": "m", "vy": "m" }, unknown: {}"#,
+        "",
+    ),
+    (
+        "servo with its controller",
+        r#"constants: { "m": (1.0, "kg"), "kp": (400.0, "N/m"), "kd": (20.0, "N*s/m") },
+        states: { "x": "m", "v": "m/s" }, inputs: { "r": "m", "F": "N" },
+        known: { "x": "v", "v": "(kp*(r - x) - kd*v + F)/m" }, inertia: { "v": "m" }, unknown: {}"#,
+        "",
+    ),
+    (
+        "beam that buckles",
+        r#"constants: { "k": (5.0, "1/s^2"), "b": (100.0, "1/(m^2*s^2)"), "c": (0.2, "1/s"), "A": (1.0, "m/s^2"), "W": (2.0, "rad/s"), "e": (0.1, "1") },
+        states: { "x": "m", "v": "m/s" }, known: { "x": "v", "v": "k*x - b*x^3 - c*v + A*cos(W*t) - e*k*cos(W*t)*x" }, unknown: {}"#,
+        "",
+    ),
+    (
+        "dashpot behind a spring",
+        r#"constants: { "m": (1.0, "kg"), "k": (100.0, "N/m"), "q": (50.0, "N/m"), "d": (4.0, "N*s/m") },
+        states: { "x": "m", "v": "m/s", "s": "m" }, known: { "x": "v", "s": "q*(x - s)/d", "v": "(-k*x - q*(x - s))/m" }, inertia: { "v": "m" }, unknown: {}"#,
+        "",
+    ),
+    (
+        "resonant circuit",
+        r#"constants: { "L": (0.1, "H"), "R": (2.0, "ohm"), "C": (1e-5, "F") },
+        states: { "q": "C", "i": "A" }, inputs: { "U": "V" }, known: { "q": "i", "i": "(U - R*i - q/C)/L" }, unknown: {}"#,
+        "",
+    ),
+    (
+        "magnet in front of iron",
+        r#"constants: { "m": (0.2, "kg"), "k": (300.0, "N/m"), "B": (1e-4, "N*m^2"), "a": (0.02, "m") },
+        states: { "x": "m", "v": "m/s" }, inputs: { "i": "A" }, known: { "x": "v", "v": "(-k*x + B*i^2/(a - x)^2)/m" }, inertia: { "v": "m" }, unknown: {}"#,
+        "",
+    ),
+    (
+        "five in a row",
+        r#"constants: { "m": (1.0, "kg"), "k": (10.0, "N/m"), "c": (0.1, "N*s/m") },
+        states: { "x1": "m", "x2": "m", "x3": "m", "x4": "m", "x5": "m", "v1": "m/s", "v2": "m/s", "v3": "m/s", "v4": "m/s", "v5": "m/s" }, inputs: { "u": "m", "F": "N" },
+        known: { "x1": "v1", "x2": "v2", "x3": "v3", "x4": "v4", "x5": "v5", "v1": "(-k*(x1-u) - k*(x1-x2))/m", "v2": "(k*(x1-x2) - k*(x2-x3) - c*v2)/m",
+            "v3": "(k*(x2-x3) - k*(x3-x4) + F)/m", "v4": "(k*(x3-x4) - k*(x4-x5) - c*v4)/m", "v5": "(k*(x4-x5) - c*v5)/m" },
+        inertia: { "v1": "m", "v2": "m", "v3": "m", "v4": "m", "v5": "m" }, unknown: {}, contacts: ["v2", "v5"]"#,
+        "",
+    ),
+    (
+        "wheel that slips on a rail",
+        r#"constants: { "m": (50.0, "kg"), "J": (1.2, "kg*m^2"), "r": (0.3, "m") },
+        states: { "x": "m", "th": "rad", "v": "m/s", "w": "rad/s" }, inputs: { "T": "N*m" },
+        known: { "x": "v", "th": "w", "v": "0", "w": "T/J" }, inertia: { "v": "m", "w": "J" }, let: { "slip": "r*w - v" }, places: { "rail": "slip" },
+        unknown: {}, contacts: ["slip"]"#,
+        "",
     ),
 ];
 
