@@ -474,6 +474,8 @@ const measured = (frame) => {
     pictures: all('svg[role=img]').length, formulas: all('math').length,
     cut: all('svg[role=img] text').filter(leaves).map((e) => e.textContent),
     flat: all('svg[role=img], math, table, figcaption').filter(flat).length,
+    // The bodies of the sketch keep their height beside the style sheet of the page.
+    low: all('#model-sketch .moving .body').filter((e) => e.getBoundingClientRect().height < 30).length,
     requests: view.performance.getEntriesByType('resource').length,
     paper: view.getComputedStyle(page.documentElement).backgroundColor, ink: view.getComputedStyle(page.body).color,
     sizes: all('.chart .label').length ? parseFloat(view.getComputedStyle(all('.chart .label')[0]).fontSize) * all('svg[role=img]')[0].getBoundingClientRect().width / all('svg[role=img]')[0].viewBox.baseVal.width : 0,
@@ -511,6 +513,7 @@ fn a_browser_shows_it_on_phone_and_desk_in_light_and_dark_and_on_paper() {
             for page in &said {
                 assert!(page["needs"].as_f64() <= page["width"].as_f64(), "scrolls sideways: {page}");
                 assert_eq!((&page["flat"], &page["requests"]), (&0.into(), &0.into()), "{page}");
+                assert_eq!(page["low"], 0, "{page}");
                 assert_eq!(page["pictures"].as_u64(), Some(made.figures().len() as u64), "{page}");
                 assert_eq!(
                     page["formulas"].as_u64(),

@@ -7,8 +7,8 @@ use crate::loaded::Loaded;
 use crate::options::Options;
 use crate::record::Record;
 use phisindy_gap::{self as workflow, Activity, Standing, Status, Step};
-use phisindy_report::{Shown, equations};
 use phisindy_report::{Ending, Folder, Format, GapReport, Invocation, StopReason};
+use phisindy_report::{Shown, equations};
 
 /// Finds where a model and its records disagree, names the laws of the catalogue that are missing, and adds
 /// them. Candidates and laws in `unknown` are

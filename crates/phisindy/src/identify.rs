@@ -8,7 +8,9 @@ use crate::options::Options;
 use crate::record::Record;
 use phisindy_learn::{self as learn, Estimate, FoundParameter, LearnOptions, RecordFit, Verdict};
 use phisindy_phys::Sources;
-use phisindy_report::{Ending, Folder, Format, Invocation, RunReport, Shown, StopReason, equations, spec_text};
+use phisindy_report::{
+    Ending, Folder, Format, Invocation, RunReport, Shown, StopReason, equations, spec_text,
+};
 
 /// Identifies the unknown part of a case from its records.
 ///

@@ -71,7 +71,8 @@ fn drafted(
         }
     };
     let table = table(file, sheet, at, &mut sources).map_err(|d| said(&d))?;
-    let draft = Draft::with_answers(table, answers, &|_| ()).map_err(|why| said(&why.diagnostic(&name, at)))?;
+    let draft =
+        Draft::with_answers(table, answers, &|_| ()).map_err(|why| said(&why.diagnostic(&name, at)))?;
     let file = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
     let text = spec_text(&draft, &file, "spec.ron");
     accepted(&text).map_err(|why| format!("the spec for `{file}` would not be accepted ({why})"))?;

@@ -10,8 +10,8 @@ use crate::format::{capital, role_name as role};
 use crate::gap::{Balance, Finding, GapReport, balance, finding, remarks, rivals, symbol};
 use crate::input::{Ending, Invocation};
 use crate::markup::{Element, element};
-use crate::sketch;
 use crate::seen::{Seen, notes};
+use crate::sketch;
 use phisindy_gap::{ColumnGap, ColumnRepeat, Gap, Region, Status, Step, Warning};
 use phisindy_phys::{Case, LawEntry};
 

@@ -9,8 +9,8 @@ use crate::format::{capital, role_name as role};
 use crate::input::Invocation;
 use crate::markup::{Element, element};
 use crate::run::{RunReport, found_words};
-use crate::sketch;
 use crate::seen::Seen;
+use crate::sketch;
 use phisindy_learn::{RecordFit, Verdict};
 use phisindy_phys::spec::Role;
 

@@ -55,8 +55,7 @@ impl View<'_> {
             let all = (0..self.system.states.len()).filter(|k| !moving(k));
             all.map(|k| self.system.states[k].node).collect()
         };
-        let of_place: Vec<usize> =
-            (0..self.bodies.len()).filter(|&k| uses(self.displacement(k))).collect();
+        let of_place: Vec<usize> = (0..self.bodies.len()).filter(|&k| uses(self.displacement(k))).collect();
         let of_speed: Vec<usize> = (0..self.bodies.len()).filter(|&k| uses(Some(self.speed(k)))).collect();
         let mut bodies: Vec<usize> = of_place.iter().chain(&of_speed).copied().collect();
         bodies.sort_unstable();
@@ -75,6 +74,10 @@ impl View<'_> {
         if let Some(ends) = sign.and_then(|w| self.along(w)) {
             return Acting::Between(Kind::Friction, ends);
         }
+        let bases: Vec<usize> = self.bases.iter().flat_map(|&(x, v)| [x, v]).flatten().collect();
+        let inputs =
+            self.system.inputs.iter().enumerate().filter(|(k, _)| !bases.contains(k)).map(|(_, u)| u.node);
+        let others: Vec<Id> = others.into_iter().chain(inputs).collect();
         let many = bodies.len() > 2 || self.system.graph.uses(&[force], &others);
         let ends = match (&bodies[..], base) {
             ([own], Some(k)) if *own == body && !many => (End::Base(k), End::Body(body)),
@@ -110,8 +113,20 @@ impl View<'_> {
         let kind = match (of_place.is_empty(), of_speed.is_empty()) {
             _ if many || !whole => Kind::Force,
             (false, true) if bends && base.is_none() && self.is_weight(body, force) => Kind::Weight,
-            (false, true) => if linear { Kind::Spring } else { Kind::BentSpring },
-            (true, false) => if linear { Kind::Damper } else { Kind::BentDamper },
+            (false, true) => {
+                if linear {
+                    Kind::Spring
+                } else {
+                    Kind::BentSpring
+                }
+            }
+            (true, false) => {
+                if linear {
+                    Kind::Damper
+                } else {
+                    Kind::BentDamper
+                }
+            }
             _ => Kind::Force,
         };
         Acting::Between(kind, ends)
@@ -124,9 +139,8 @@ impl View<'_> {
 
     /// The ends of what acts along a speed: the bodies whose speeds are in it, or one and what carries it.
     pub(super) fn along(&mut self, speed: Id) -> Option<(End, End)> {
-        let bodies: Vec<usize> = (0..self.bodies.len())
-            .filter(|&k| self.system.graph.uses(&[speed], &[self.speed(k)]))
-            .collect();
+        let bodies: Vec<usize> =
+            (0..self.bodies.len()).filter(|&k| self.system.graph.uses(&[speed], &[self.speed(k)])).collect();
         let base = (0..self.bases.len())
             .find(|&k| self.base(k)[1].is_some_and(|v| self.system.graph.uses(&[speed], &[v])));
         match (&bodies[..], base) {

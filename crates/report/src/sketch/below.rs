@@ -66,7 +66,12 @@ impl<'s> Below<'s> {
     }
 
     /// Draws it below a point; returns where it ends.
-    pub(super) fn draw(&self, canvas: &mut Canvas, bases: &[String], (middle, top, radius): (f64, f64, f64)) -> f64 {
+    pub(super) fn draw(
+        &self,
+        canvas: &mut Canvas,
+        bases: &[String],
+        (middle, top, radius): (f64, f64, f64),
+    ) -> f64 {
         let (mut left, mut bottom) = (middle - self.reach(2.0 * radius).0, top);
         // The rim of a disc.
         let rim = |x: f64| match self.turns {
@@ -89,10 +94,10 @@ impl<'s> Below<'s> {
 /// A contact right below the body.
 fn contact(canvas: &mut Canvas, part: &Part, bases: &[String], (middle, top): (f64, f64)) -> f64 {
     let (x, y) = (middle - 0.5 * PATCH, top + 2.0);
-    let words = match part.words.is_empty() {
-        true => vec!["friction".to_owned()],
-        false => part.words.clone(),
-    };
+    // A number alone does not say of what.
+    let named = part.words.len() < 2;
+    let words: Vec<String> =
+        named.then(|| "friction".to_owned()).into_iter().chain(part.words.iter().cloned()).collect();
     let mut below = y + 12.0;
     match part.ends.0 {
         End::Base(k) => {

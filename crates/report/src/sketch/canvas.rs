@@ -63,7 +63,8 @@ impl Canvas {
             return;
         }
         // Bold letters are wider.
-        let wide = width_of(text) * if style.contains("name") || style.contains("found") { 1.08 } else { 1.0 };
+        let wide =
+            width_of(text) * if style.contains("name") || style.contains("found") { 1.08 } else { 1.0 };
         let left = if style.contains("middle") { x - 0.5 * wide } else { x };
         self.took(text, (left, y - 8.0, left + wide, y + 8.0));
         self.drawn.push(word(style, x, y + 4.5, text));
@@ -90,12 +91,12 @@ impl Canvas {
             points.iter().enumerate().map(one).collect::<String>()
         };
         let draw = |stroke: Stroke| match stroke {
-            Stroke::Line(points) => element("path").class("part").with("d", path(&points)),
-            Stroke::Hatch(points) => element("path").class("part thin").with("d", path(&points)),
-            Stroke::Area(points) => element("path").class("part solid").with("d", path(&points) + "Z"),
+            Stroke::Line(points) => element("path").class("piece").with("d", path(&points)),
+            Stroke::Hatch(points) => element("path").class("piece thin").with("d", path(&points)),
+            Stroke::Area(points) => element("path").class("piece solid").with("d", path(&points) + "Z"),
             Stroke::Circle(middle, radius) => {
                 let (x, y) = place(middle);
-                element("circle").class("part solid").with("cx", at(x)).with("cy", at(y)).with("r", radius)
+                element("circle").class("piece solid").with("cx", at(x)).with("cy", at(y)).with("r", radius)
             }
         };
         let all: Vec<Element> = symbol(kind, long).into_iter().map(draw).collect();
@@ -123,7 +124,7 @@ impl Canvas {
                 .with("cy", at(top + 0.5 * high))
                 .with("r", at(0.5 * high)),
         };
-        let mut all = vec![shape.class("part body")];
+        let mut all = vec![shape.class("piece body")];
         if turns {
             // A mark on the rim shows that it turns.
             let (x, y, r) = (left + 0.5 * wide, top + 0.5 * high, 0.5 * high - 6.0);
@@ -133,7 +134,7 @@ impl Canvas {
             });
             let arc = format!("M{} {}A{r} {r} 0 0 1 {} {}", at(a), at(b), at(c), at(d), r = at(r));
             let head = format!("M{} {}l-9.5 -1.5l5.5 -7z", at(c + 3.0), at(d + 3.5));
-            all.push(element("path").class("part thin").with("d", arc));
+            all.push(element("path").class("piece thin").with("d", arc));
             all.push(element("path").class("tip").with("d", head));
         }
         self.drawn.push(element("g").class("stated moving").all(all));
@@ -155,8 +156,8 @@ impl Canvas {
             };
             along += 8.0;
         }
-        let edge = element("path").class("part").with("d", edge);
-        let hatching = element("path").class("part thin").with("d", hatching);
+        let edge = element("path").class("piece").with("d", edge);
+        let hatching = element("path").class("piece thin").with("d", hatching);
         self.drawn.push(element("g").class(format!("{} ground", class(known))).add(edge).add(hatching));
         let room = match side {
             0 => (x, y, x + long, y + 9.0),
@@ -171,7 +172,7 @@ impl Canvas {
         let (wide, high) = if upright { (8.0, long) } else { (long, 8.0) };
         let left = if upright { x - 8.0 } else { x };
         let plate = element("rect")
-            .class("part body")
+            .class("piece body")
             .with("x", at(left))
             .with("y", at(y))
             .with("width", at(wide))
@@ -183,8 +184,10 @@ impl Canvas {
 
     /// An arrow of a force, from left to right.
     pub(super) fn arrow(&mut self, (x, y): (f64, f64), long: f64, known: Known) {
-        let line = element("path").class("part bold").with("d", format!("M{} {}h{}", at(x), at(y), at(long - 8.0)));
-        let head = element("path").class("tip").with("d", format!("M{} {}l-12 -5.5v11z", at(x + long), at(y)));
+        let line =
+            element("path").class("piece bold").with("d", format!("M{} {}h{}", at(x), at(y), at(long - 8.0)));
+        let head =
+            element("path").class("tip").with("d", format!("M{} {}l-12 -5.5v11z", at(x + long), at(y)));
         self.drawn.push(element("g").class(format!("{} push", class(known))).add(line).add(head));
         self.took("arrow", (x, y - 6.0, x + long, y + 6.0));
     }
@@ -192,14 +195,8 @@ impl Canvas {
     /// An arrow with two heads: what moves both ways.
     pub(super) fn both_ways(&mut self, (x, y): (f64, f64), long: f64) {
         let line = format!("M{} {}h{}", at(x + 5.0), at(y), at(long - 10.0));
-        let heads = format!(
-            "M{} {}l8 -4v8zM{} {}l-8 -4v8z",
-            at(x),
-            at(y),
-            at(x + long),
-            at(y)
-        );
-        let line = element("path").class("part").with("d", line);
+        let heads = format!("M{} {}l8 -4v8zM{} {}l-8 -4v8z", at(x), at(y), at(x + long), at(y));
+        let line = element("path").class("piece").with("d", line);
         let heads = element("path").class("tip").with("d", heads);
         self.drawn.push(element("g").class("stated").add(line).add(heads));
         self.took("both ways", (x, y - 5.0, x + long, y + 5.0));
@@ -207,23 +204,26 @@ impl Canvas {
 
     /// A sensor on a stem that stands at a point.
     pub(super) fn sensor(&mut self, (x, y): (f64, f64), known: Known) {
-        let stem = element("path").class("part thin").with("d", format!("M{} {}v-6", at(x), at(y)));
-        let dial = element("circle").class("part dial").with("cx", at(x)).with("cy", at(y - 12.0)).with("r", 6);
-        let needle = element("path").class("part thin").with("d", format!("M{} {}l3 -4", at(x), at(y - 11.0)));
-        self.drawn.push(element("g").class(format!("{} sensor", class(known))).add(stem).add(dial).add(needle));
+        let stem = element("path").class("piece thin").with("d", format!("M{} {}v-6", at(x), at(y)));
+        let dial =
+            element("circle").class("piece dial").with("cx", at(x)).with("cy", at(y - 12.0)).with("r", 6);
+        let needle =
+            element("path").class("piece thin").with("d", format!("M{} {}l3 -4", at(x), at(y - 11.0)));
+        self.drawn
+            .push(element("g").class(format!("{} sensor", class(known))).add(stem).add(dial).add(needle));
         self.took("sensor", (x - 6.0, y - 18.0, x + 6.0, y));
     }
 
     /// A rod from one point to another.
     pub(super) fn rod(&mut self, (x, y): (f64, f64), (to, down): (f64, f64), known: Known) {
         let line = format!("M{} {}L{} {}", at(x), at(y), at(to), at(down));
-        let rod = element("path").class("part").with("d", line);
+        let rod = element("path").class("piece").with("d", line);
         self.drawn.push(element("g").class(class(known)).add(rod));
     }
 
     /// A line from a body to what stands above it.
     pub(super) fn stem(&mut self, (x, from): (f64, f64), to: f64, known: Known) {
-        let stem = element("path").class("part").with("d", format!("M{} {}V{}", at(x), at(from), at(to)));
+        let stem = element("path").class("piece").with("d", format!("M{} {}V{}", at(x), at(from), at(to)));
         self.drawn.push(element("g").class(class(known)).add(stem));
         self.took("stem", (x - 1.0, to.min(from), x + 1.0, to.max(from)));
     }

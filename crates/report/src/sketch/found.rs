@@ -73,7 +73,9 @@ fn add_term(reading: &mut Reading, term: usize, said: &str, known: Known) {
     let words = words_of(said);
     let (mut view, scheme, _) = reading.view();
     match view.acting(body, value) {
-        Acting::Push => scheme.push(body, if said.is_empty() { "?".to_owned() } else { said.to_owned() }, known),
+        Acting::Push => {
+            scheme.push(body, if said.is_empty() { "?".to_owned() } else { said.to_owned() }, known)
+        }
         Acting::Between(kind, ends) => scheme.add(kind, ends, words, known),
     }
 }
@@ -112,7 +114,8 @@ fn add_step(reading: &mut Reading, step: &Step) {
         };
         format!("{} = {value} {}", unicode::name(&p.name), raised(&p.unit)).trim_end().to_owned()
     });
-    let name = if step.effect.entry.id == "discovered" { "discovered force".to_owned() } else { law.name.clone() };
+    let name =
+        if step.effect.entry.id == "discovered" { "discovered force".to_owned() } else { law.name.clone() };
     let words: Vec<String> = [capital(&name)].into_iter().chain(number).collect();
     let place = &step.effect.place;
     match &place.site {

@@ -63,13 +63,15 @@ pub(super) fn size(canvas: &Canvas) -> (f64, f64) {
 fn order(scheme: &Scheme) -> Vec<usize> {
     let n = scheme.bodies.len();
     let joined: Vec<(usize, usize)> = scheme.elements.iter().filter_map(pair).collect();
-    let held: Vec<usize> = scheme.elements.iter().filter_map(|e| pair(e).is_none().then(|| body(e))).collect();
+    let held: Vec<usize> =
+        scheme.elements.iter().filter_map(|e| pair(e).is_none().then(|| body(e))).collect();
     let cost = |order: &[usize]| {
         let place = |b: usize| order.iter().position(|&x| x == b).unwrap_or(0);
         let far = |&(a, b): &(usize, usize)| 10 * (place(a).abs_diff(place(b)) - 1);
         let inner = |&b: &usize| usize::from(place(b) != 0 && place(b) + 1 != n);
         // The order of the spec is left for something only.
-        let turned = (0..n).flat_map(|i| (i + 1..n).map(move |j| (i, j))).filter(|&(i, j)| order[i] > order[j]);
+        let turned =
+            (0..n).flat_map(|i| (i + 1..n).map(move |j| (i, j))).filter(|&(i, j)| order[i] > order[j]);
         joined.iter().map(far).sum::<usize>() + held.iter().map(inner).sum::<usize>() + 12 * turned.count()
     };
     let mut best: Vec<usize> = (0..n).collect();
@@ -120,7 +122,8 @@ fn mechanism(scheme: &Scheme, canvas: &mut Canvas) -> f64 {
     };
     let after: Vec<&Part> = if n > 1 { to_wall(n - 1) } else { vec![] };
     let between = |a: usize, b: usize| -> Vec<&Part> {
-        let joins = |e: &&Part| pair(e).is_some_and(|(x, y)| [(a, b), (b, a)].contains(&(place(x), place(y))));
+        let joins =
+            |e: &&Part| pair(e).is_some_and(|(x, y)| [(a, b), (b, a)].contains(&(place(x), place(y))));
         scheme.elements.iter().filter(joins).collect()
     };
     let far: Vec<(usize, usize, &Part)> = scheme
@@ -135,7 +138,9 @@ fn mechanism(scheme: &Scheme, canvas: &mut Canvas) -> f64 {
     let mut columns: Vec<Column<'_>> = (0..n)
         .map(|k| {
             let body = order[k];
-            let under = held(k).into_iter().filter(|e| below::is_below(e, scheme.bodies[body].turns) || (k > 0 && k + 1 < n));
+            let under = held(k)
+                .into_iter()
+                .filter(|e| below::is_below(e, scheme.bodies[body].turns) || (k > 0 && k + 1 < n));
             let pushes: Vec<&Push> = scheme.pushes.iter().filter(|p| p.body == body).collect();
             let free = k + 1 == n && after.is_empty();
             let (beside, above) = if free { (pushes, vec![]) } else { (vec![], pushes) };
@@ -145,7 +150,8 @@ fn mechanism(scheme: &Scheme, canvas: &mut Canvas) -> f64 {
             let sensors = sensors(scheme, body);
             let of = &scheme.bodies[body];
             let top = if sensors.is_empty() { 0.0 } else { 28.0 + width_of(&sensors) };
-            let inside = (1.08 * width_of(&of.name)).max(width_of(&of.inertia)) + if of.turns { 30.0 } else { 20.0 };
+            let inside =
+                (1.08 * width_of(&of.name)).max(width_of(&of.inertia)) + if of.turns { 30.0 } else { 20.0 };
             let free = if of.turns { 1.6 } else { 1.0 };
             let wide = BODY.0.max(inside).max(free * (top + PORT * ports as f64 + 12.0)).max(below.least());
             Column { body, below, sensors, above, beside, before, wide, middle: 0.0 }
@@ -178,7 +184,10 @@ fn mechanism(scheme: &Scheme, canvas: &mut Canvas) -> f64 {
         canvas.body(&of.name, of.turns, (left, top, c.wide, high));
         let two = !of.inertia.is_empty();
         let y = top + 0.5 * high;
-        let lines = [(of.name.clone(), "name middle", if two { -9.0 } else { 0.0 }), (of.inertia.clone(), "label middle", 9.0)];
+        let lines = [
+            (of.name.clone(), "name middle", if two { -9.0 } else { 0.0 }),
+            (of.inertia.clone(), "label middle", 9.0),
+        ];
         for (text, style, by) in lines {
             canvas.words(&text, (c.middle, y + by), style);
         }

@@ -2,7 +2,7 @@
 //! and what is left of a body's own is to the ground.
 
 use super::acting::View;
-use super::number::{DAMPING, Numbers, STIFFNESS, Units, formula, words};
+use super::number::{DAMPING, Numbers, STIFFNESS, Units, formula, signed_formula, words};
 use super::scheme::{End, Kind, Known, Scheme};
 use phisindy_expr::Id;
 
@@ -36,7 +36,7 @@ fn push(view: &mut View<'_>, body: usize, sum: Id, (input, node): (usize, Id), s
     }
     let one = graph.constant(1.0);
     let product = if view.probe.same(graph, slope, one) { node } else { graph.mul(slope, node) };
-    let words = formula(view.system, product);
+    let words = signed_formula(view.system, product);
     let name = crate::terminal::unicode::name(&view.system.inputs[input].name);
     scheme.push(body, if words.is_empty() { name } else { words }, Known::Stated);
 }
@@ -45,7 +45,8 @@ fn push(view: &mut View<'_>, body: usize, sum: Id, (input, node): (usize, Id), s
 fn add_order(view: &mut View<'_>, sums: &[Id], order: usize, numbers: &Numbers, scheme: &mut Scheme) {
     let (kind, units) = [(Kind::Spring, STIFFNESS), (Kind::Damper, DAMPING)][order];
     let n = sums.len();
-    let node = |view: &View<'_>, k: usize| if order == 0 { view.displacement(k) } else { Some(view.speed(k)) };
+    let node =
+        |view: &View<'_>, k: usize| if order == 0 { view.displacement(k) } else { Some(view.speed(k)) };
     let zero = view.system.graph.constant(0.0);
     let mut slopes = vec![vec![zero; n]; n];
     for (i, &sum) in sums.iter().enumerate() {
@@ -66,7 +67,8 @@ fn add_order(view: &mut View<'_>, sums: &[Id], order: usize, numbers: &Numbers, 
             let ends = (End::Body(i), End::Body(j));
             let of_rates = view.bodies[i].mass.is_none() || view.bodies[j].mass.is_none();
             let both = a != zero && b != zero;
-            if view.bodies[i].turns != view.bodies[j].turns && both && is_one(view, (own[i], own[j]), (a, b)) {
+            if view.bodies[i].turns != view.bodies[j].turns && both && is_one(view, (own[i], own[j]), (a, b))
+            {
                 let body = if view.bodies[i].turns { j } else { i };
                 let said = label(view, numbers, (own[body], units), body);
                 scheme.add(kind, ends, said, Known::Stated);
@@ -97,7 +99,8 @@ fn add_order(view: &mut View<'_>, sums: &[Id], order: usize, numbers: &Numbers, 
             let rest = view.system.graph.sub(left[i], slope);
             let (graph, probe) = (&view.system.graph, view.probe);
             // A spring to a base counts in the body's own stiffness, whatever the numbers are.
-            if probe.positive(graph, slope, slope) && probe.positive(graph, rest, left[i]) && left[i] != zero {
+            if probe.positive(graph, slope, slope) && probe.positive(graph, rest, left[i]) && left[i] != zero
+            {
                 let said = label(view, numbers, (slope, units), i);
                 scheme.add(kind, (End::Base(base), End::Body(i)), said, Known::Stated);
                 left[i] = rest;

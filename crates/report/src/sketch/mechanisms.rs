@@ -111,58 +111,58 @@ pub(super) const MECHANISMS: [(&str, &str, &str); 25] = [
         "lift with gravity",
         r#"constants: { "m": (2.0, "kg"), "g": (9.81, "m/s^2"), "k": (100.0, "N/m"), "d": (0.01, "m") },
         states: { "z": "m", "v": "m/s" }, known: { "z": "v", "v": "-g - k/m*dead(z, d)" }, inertia: { "v": "m" }, unknown: {}"#,
-        "",
+        "z, m = 2 kg: nonlinear spring k·dead(z, d) to the ground; force −m·g.",
     ),
     (
         "vehicle on a road",
         r#"constants: { "m": (1200.0, "kg"), "cr": (0.01, "1"), "g": (9.81, "m/s^2"), "cw": (0.4, "kg/m") },
         states: { "v": "m/s" }, inputs: { "F": "N" }, known: { "v": "F/m - g*cr - cw/m*v*abs(v)" }, inertia: { "v": "m" }, unknown: {}, contacts: ["v"]"#,
-        "",
+        "v, m = 1200 kg: nonlinear damper cw·v·|v| to the ground; friction to the ground; force F − m·(g·cr).",
     ),
     (
         "absorber on a shaken mass",
         r#"constants: { "M": (10.0, "kg"), "m": (0.5, "kg"), "K": (1e3, "N/m"), "k": (50.0, "N/m"), "c": (0.4, "N*s/m") },
         states: { "X": "m", "x": "m", "V": "m/s", "v": "m/s" }, inputs: { "u": "mm" },
         known: { "X": "V", "x": "v", "V": "(-K*(X-u) - k*(X-x) - c*(V-v))/M", "v": "(k*(X-x) + c*(V-v))/m" }, unknown: {}, contacts: ["V"]"#,
-        "",
+        "X, M = 10 kg: spring k = 50 N/m to x; spring K = 1000 N/m to u, which moves; damper c = 0.4 N·s/m to x; friction to the ground. x, m = 0.5 kg.",
     ),
     (
         "two coupled by a turning frame",
         r#"constants: { "m": (1.0, "kg"), "k": (30.0, "N/m"), "G": (2.0, "N*s/m") },
         states: { "x": "m", "y": "m", "vx": "m/s", "vy": "m/s" },
         known: { "x": "vx", "y": "vy", "vx": "(-k*x + G*vy)/m", "vy": "(-k*y - G*vx)/m" }, inertia: { "vx": "m", "vy": "m" }, unknown: {}"#,
-        "",
+        "x, m = 1 kg: spring k = 30 N/m to the ground; force G·vy to y. y, m = 1 kg: spring k = 30 N/m to the ground.",
     ),
     (
         "servo with its controller",
         r#"constants: { "m": (1.0, "kg"), "kp": (400.0, "N/m"), "kd": (20.0, "N*s/m") },
         states: { "x": "m", "v": "m/s" }, inputs: { "r": "m", "F": "N" },
         known: { "x": "v", "v": "(kp*(r - x) - kd*v + F)/m" }, inertia: { "v": "m" }, unknown: {}"#,
-        "",
+        "x, m = 1 kg: spring kp = 400 N/m to r, which moves; damper kd = 20 N·s/m to the ground; force F.",
     ),
     (
         "beam that buckles",
         r#"constants: { "k": (5.0, "1/s^2"), "b": (100.0, "1/(m^2*s^2)"), "c": (0.2, "1/s"), "A": (1.0, "m/s^2"), "W": (2.0, "rad/s"), "e": (0.1, "1") },
         states: { "x": "m", "v": "m/s" }, known: { "x": "v", "v": "k*x - b*x^3 - c*v + A*cos(W*t) - e*k*cos(W*t)*x" }, unknown: {}"#,
-        "",
+        "x: spring −k = −5 1/s² to the ground; damper c = 0.2 1/s to the ground; nonlinear spring b·x³, e·k·cos(W·t)·x to the ground; force A·cos(W·t).",
     ),
     (
         "dashpot behind a spring",
         r#"constants: { "m": (1.0, "kg"), "k": (100.0, "N/m"), "q": (50.0, "N/m"), "d": (4.0, "N*s/m") },
         states: { "x": "m", "v": "m/s", "s": "m" }, known: { "x": "v", "s": "q*(x - s)/d", "v": "(-k*x - q*(x - s))/m" }, inertia: { "v": "m" }, unknown: {}"#,
-        "",
+        "x, m = 1 kg: spring k + q = 150 N/m to the ground; force q·s to the ground. s, its rate of x, s.",
     ),
     (
         "resonant circuit",
         r#"constants: { "L": (0.1, "H"), "R": (2.0, "ohm"), "C": (1e-5, "F") },
         states: { "q": "C", "i": "A" }, inputs: { "U": "V" }, known: { "q": "i", "i": "(U - R*i - q/C)/L" }, unknown: {}"#,
-        "",
+        "q: spring 1e6 1/s² to the ground; damper 20 1/s to the ground; force 1/L·U.",
     ),
     (
         "magnet in front of iron",
-        r#"constants: { "m": (0.2, "kg"), "k": (300.0, "N/m"), "B": (1e-4, "N*m^2"), "a": (0.02, "m") },
+        r#"constants: { "m": (0.2, "kg"), "k": (300.0, "N/m"), "B": (1e-4, "N*m^2/A^2"), "a": (0.02, "m") },
         states: { "x": "m", "v": "m/s" }, inputs: { "i": "A" }, known: { "x": "v", "v": "(-k*x + B*i^2/(a - x)^2)/m" }, inertia: { "v": "m" }, unknown: {}"#,
-        "",
+        "x, m = 0.2 kg: spring k = 300 N/m to the ground; force B·i²/(a − x)² to the ground.",
     ),
     (
         "five in a row",
@@ -171,7 +171,7 @@ pub(super) const MECHANISMS: [(&str, &str, &str); 25] = [
         known: { "x1": "v1", "x2": "v2", "x3": "v3", "x4": "v4", "x5": "v5", "v1": "(-k*(x1-u) - k*(x1-x2))/m", "v2": "(k*(x1-x2) - k*(x2-x3) - c*v2)/m",
             "v3": "(k*(x2-x3) - k*(x3-x4) + F)/m", "v4": "(k*(x3-x4) - k*(x4-x5) - c*v4)/m", "v5": "(k*(x4-x5) - c*v5)/m" },
         inertia: { "v1": "m", "v2": "m", "v3": "m", "v4": "m", "v5": "m" }, unknown: {}, contacts: ["v2", "v5"]"#,
-        "",
+        "x₁, m = 1 kg: spring k = 10 N/m to x₂; spring k = 10 N/m to u, which moves. x₂, m = 1 kg: spring k = 10 N/m to x₃; damper c = 0.1 N·s/m to the ground; friction to the ground. x₃, m = 1 kg: spring k = 10 N/m to x₄; force F. x₄, m = 1 kg: spring k = 10 N/m to x₅; damper c = 0.1 N·s/m to the ground. x₅, m = 1 kg: damper c = 0.1 N·s/m to the ground; friction to the ground.",
     ),
     (
         "wheel that slips on a rail",
@@ -179,43 +179,130 @@ pub(super) const MECHANISMS: [(&str, &str, &str); 25] = [
         states: { "x": "m", "th": "rad", "v": "m/s", "w": "rad/s" }, inputs: { "T": "N*m" },
         known: { "x": "v", "th": "w", "v": "0", "w": "T/J" }, inertia: { "v": "m", "w": "J" }, let: { "slip": "r*w - v" }, places: { "rail": "slip" },
         unknown: {}, contacts: ["slip"]"#,
-        "",
+        "x, 50 kg: friction to th. th, 1.2 kg·m²: force T.",
     ),
 ];
 
 /// The specs of the repository: name, sketch in words.
 pub(super) const SPECS: [(&str, &str); 33] = [
-    ("boucwen", "x, m = 2 kg, sensors of x: spring k = 50000 N/m to the ground; damper c = 10 N·s/m to the ground; force u."),
-    ("boucwen_rig", "x, m = 2 kg, sensors of x: spring k = 50000 N/m to the ground; damper c = 10 N·s/m to the ground; force z to the ground; force u. z, its rate of v, z."),
-    ("case10", "x, m = 3.08 kg, sensors of x: spring k = 1190 N/m to u, which moves; damper c = 0.203 N·s/m to u, which moves; friction to the ground, asked for."),
-    ("case1a", "x, m = 1 kg, sensors of x, y: spring k = 1 N/m to the ground; damper d = 0.1 N·s/m to the ground; friction to the ground, asked for; force F₀·cos(W·t)."),
-    ("case1b", "x, m = 1 kg, sensors of x, y: spring k = 1 N/m to the ground; damper d = 0.1 N·s/m to the ground; friction to the ground, asked for; force F₀·cos(W·t)."),
-    ("case2a", "x, m = 1 kg, sensors of x, y: spring k = 1 N/m to the ground; damper d = 0.1 N·s/m to the ground; friction to the ground, asked for; force F₀·cos(W·t)."),
-    ("case2b", "x, m = 1 kg, sensors of x, y: spring k = 1 N/m to the ground; damper d = 0.1 N·s/m to the ground; friction to the ground, asked for; force F₀·cos(W·t)."),
-    ("case3_coulomb", "x, m = 1 kg, sensors of x, y: spring k = 1 N/m to the ground; damper d = 0.1 N·s/m to the ground; friction to the ground, asked for; force F₀·cos(W·t)."),
-    ("case3_dr", "x, m = 1 kg, sensors of x, y: spring k = 1 N/m to the ground; damper d = 0.1 N·s/m to the ground; friction to the ground, asked for; force F₀·cos(W·t)."),
-    ("case4", "x, m = 1 kg, sensors of x, y: spring k = 64 N/m to the ground; damper c = 5 N·s/m to the ground; friction to the ground, asked for; force F."),
-    ("case5", "x₁, m₁ = 1 kg, sensors of x₁, y₁: spring k₂ = 1 N/m to x₂; spring k₁ = 1 N/m to the ground; damper c₂ = 0.1 N·s/m to x₂; damper c₁ = 0.1 N·s/m to the ground; force F₀·cos(W·t). x₂, m₂ = 1 kg, sensors of x₂, y₂: friction to the ground, asked for."),
-    ("case6", "x₁, m₁ = 1 kg, sensors of x₁, y₁: spring k₂ = 1 N/m to x₂; spring k₁ = 1 N/m to the ground; damper c₂ = 0.1 N·s/m to x₂; damper c₁ = 0.1 N·s/m to the ground; friction to the ground, asked for; force F₀·cos(W·t). x₂, m₂ = 1 kg, sensors of x₂, y₂: friction to the ground, asked for."),
-    ("case7", "x₁, m₁ = 1 kg, sensors of x₁, y₁: spring k₂ = 1 N/m to x₂; spring k₁ = 1 N/m to the ground; damper c₂ = 0.1 N·s/m to x₂; damper c₁ = 0.1 N·s/m to the ground; friction to the ground, asked for; force F₀·cos(W·t). x₂, m₂ = 1 kg, sensors of x₂, y₂: friction to the ground, asked for."),
-    ("case7_expert", "x₁, m₁ = 1 kg, sensors of x₁, y₁: spring k₂ = 1 N/m to x₂; spring k₁ = 1 N/m to the ground; damper c₂ = 0.1 N·s/m to x₂; damper c₁ = 0.1 N·s/m to the ground; friction to the ground, asked for; force F₀·cos(W·t). x₂, m₂ = 1 kg, sensors of x₂, y₂: friction to the ground, asked for."),
-    ("case8a", "x, m = 3.08 kg, sensors of x: spring k = 1190 N/m to u, which moves; damper c = 0.203 N·s/m to u, which moves; friction to the ground, asked for; force ?."),
-    ("case8b", "x, m = 3.08 kg, sensors of x: spring k = 1190 N/m to the ground; damper c = 0.203 N·s/m to the ground; friction to the ground, asked for; spring to the ground, asked for; damper to the ground, asked for; force ?."),
-    ("case8c", "x, m = 3.08 kg, sensors of x: spring k = 1190 N/m to the ground; damper c = 0.203 N·s/m to the ground; friction to the ground, asked for; spring to the ground, asked for; damper to the ground, asked for; force c·(A·W·sin(W·t)) + k·(A·cos(W·t)); force ?."),
-    ("case9a", "x, m = 3.08 kg, sensors of x: spring k = 1190 N/m to u, which moves; damper c = 0.203 N·s/m to u, which moves; friction to the ground, asked for."),
-    ("case9b", "x, m = 3.08 kg, sensors of x: spring k = 1190 N/m to u, which moves; damper d = 0.203 N·s/m to u, which moves; friction to the ground, asked for."),
+    (
+        "boucwen",
+        "x, m = 2 kg, sensors of x: spring k = 50000 N/m to the ground; damper c = 10 N·s/m to the ground; force u.",
+    ),
+    (
+        "boucwen_rig",
+        "x, m = 2 kg, sensors of x: spring k = 50000 N/m to the ground; damper c = 10 N·s/m to the ground; force z to the ground; force u. z, its rate of v, z.",
+    ),
+    (
+        "case10",
+        "x, m = 3.08 kg, sensors of x: spring k = 1190 N/m to u, which moves; damper c = 0.203 N·s/m to u, which moves; friction to the ground, asked for.",
+    ),
+    (
+        "case1a",
+        "x, m = 1 kg, sensors of x, y: spring k = 1 N/m to the ground; damper d = 0.1 N·s/m to the ground; friction to the ground, asked for; force F₀·cos(W·t).",
+    ),
+    (
+        "case1b",
+        "x, m = 1 kg, sensors of x, y: spring k = 1 N/m to the ground; damper d = 0.1 N·s/m to the ground; friction to the ground, asked for; force F₀·cos(W·t).",
+    ),
+    (
+        "case2a",
+        "x, m = 1 kg, sensors of x, y: spring k = 1 N/m to the ground; damper d = 0.1 N·s/m to the ground; friction to the ground, asked for; force F₀·cos(W·t).",
+    ),
+    (
+        "case2b",
+        "x, m = 1 kg, sensors of x, y: spring k = 1 N/m to the ground; damper d = 0.1 N·s/m to the ground; friction to the ground, asked for; force F₀·cos(W·t).",
+    ),
+    (
+        "case3_coulomb",
+        "x, m = 1 kg, sensors of x, y: spring k = 1 N/m to the ground; damper d = 0.1 N·s/m to the ground; friction to the ground, asked for; force F₀·cos(W·t).",
+    ),
+    (
+        "case3_dr",
+        "x, m = 1 kg, sensors of x, y: spring k = 1 N/m to the ground; damper d = 0.1 N·s/m to the ground; friction to the ground, asked for; force F₀·cos(W·t).",
+    ),
+    (
+        "case4",
+        "x, m = 1 kg, sensors of x, y: spring k = 64 N/m to the ground; damper c = 5 N·s/m to the ground; friction to the ground, asked for; force F.",
+    ),
+    (
+        "case5",
+        "x₁, m₁ = 1 kg, sensors of x₁, y₁: spring k₂ = 1 N/m to x₂; spring k₁ = 1 N/m to the ground; damper c₂ = 0.1 N·s/m to x₂; damper c₁ = 0.1 N·s/m to the ground; force F₀·cos(W·t). x₂, m₂ = 1 kg, sensors of x₂, y₂: friction to the ground, asked for.",
+    ),
+    (
+        "case6",
+        "x₁, m₁ = 1 kg, sensors of x₁, y₁: spring k₂ = 1 N/m to x₂; spring k₁ = 1 N/m to the ground; damper c₂ = 0.1 N·s/m to x₂; damper c₁ = 0.1 N·s/m to the ground; friction to the ground, asked for; force F₀·cos(W·t). x₂, m₂ = 1 kg, sensors of x₂, y₂: friction to the ground, asked for.",
+    ),
+    (
+        "case7",
+        "x₁, m₁ = 1 kg, sensors of x₁, y₁: spring k₂ = 1 N/m to x₂; spring k₁ = 1 N/m to the ground; damper c₂ = 0.1 N·s/m to x₂; damper c₁ = 0.1 N·s/m to the ground; friction to the ground, asked for; force F₀·cos(W·t). x₂, m₂ = 1 kg, sensors of x₂, y₂: friction to the ground, asked for.",
+    ),
+    (
+        "case7_expert",
+        "x₁, m₁ = 1 kg, sensors of x₁, y₁: spring k₂ = 1 N/m to x₂; spring k₁ = 1 N/m to the ground; damper c₂ = 0.1 N·s/m to x₂; damper c₁ = 0.1 N·s/m to the ground; friction to the ground, asked for; force F₀·cos(W·t). x₂, m₂ = 1 kg, sensors of x₂, y₂: friction to the ground, asked for.",
+    ),
+    (
+        "case8a",
+        "x, m = 3.08 kg, sensors of x: spring k = 1190 N/m to u, which moves; damper c = 0.203 N·s/m to u, which moves; friction to the ground, asked for; force ?.",
+    ),
+    (
+        "case8b",
+        "x, m = 3.08 kg, sensors of x: spring k = 1190 N/m to the ground; damper c = 0.203 N·s/m to the ground; friction to the ground, asked for; spring to the ground, asked for; damper to the ground, asked for; force ?.",
+    ),
+    (
+        "case8c",
+        "x, m = 3.08 kg, sensors of x: spring k = 1190 N/m to the ground; damper c = 0.203 N·s/m to the ground; friction to the ground, asked for; spring to the ground, asked for; damper to the ground, asked for; force −c·A·W·sin(W·t) + k·A·cos(W·t); force ?.",
+    ),
+    (
+        "case9a",
+        "x, m = 3.08 kg, sensors of x: spring k = 1190 N/m to u, which moves; damper c = 0.203 N·s/m to u, which moves; friction to the ground, asked for.",
+    ),
+    (
+        "case9b",
+        "x, m = 3.08 kg, sensors of x: spring k = 1190 N/m to u, which moves; damper d = 0.203 N·s/m to u, which moves; friction to the ground, asked for.",
+    ),
     ("damper", "p, its rate of p, v, measured."),
-    ("emps", "q, M = 90 kg, sensors of q: friction to the ground, asked for; damper to the ground, asked for; force F; force ?."),
-    ("frame_250g", "x, m = 3.08 kg, sensors of x: spring k = 1191 N/m to u, which moves; damper c = 0.669 N·s/m to u, which moves; friction to the ground, asked for."),
-    ("frame_450g", "x, m = 3.08 kg, sensors of x: spring k = 1191 N/m to u, which moves; damper c = 0.669 N·s/m to u, which moves; friction to the ground, asked for."),
-    ("frame_continuous", "x, m = 3.08 kg, sensors of x: spring k = 1190 N/m to u, which moves; damper c = 0.203 N·s/m to u, which moves; friction to the ground, asked for."),
-    ("frame_gap", "x, m = 3.08 kg, sensors of x: spring k = 1191 N/m to u, which moves; damper c = 0.669 N·s/m to u, which moves."),
-    ("frame_mu", "x, m = 3.08 kg, sensors of x: spring k = 1191 N/m to u, which moves; damper c = 0.669 N·s/m to u, which moves; friction to the ground, asked for."),
+    (
+        "emps",
+        "q, M = 90 kg, sensors of q: friction to the ground, asked for; damper to the ground, asked for; force F; force ?.",
+    ),
+    (
+        "frame_250g",
+        "x, m = 3.08 kg, sensors of x: spring k = 1191 N/m to u, which moves; damper c = 0.669 N·s/m to u, which moves; friction to the ground, asked for.",
+    ),
+    (
+        "frame_450g",
+        "x, m = 3.08 kg, sensors of x: spring k = 1191 N/m to u, which moves; damper c = 0.669 N·s/m to u, which moves; friction to the ground, asked for.",
+    ),
+    (
+        "frame_continuous",
+        "x, m = 3.08 kg, sensors of x: spring k = 1190 N/m to u, which moves; damper c = 0.203 N·s/m to u, which moves; friction to the ground, asked for.",
+    ),
+    (
+        "frame_gap",
+        "x, m = 3.08 kg, sensors of x: spring k = 1191 N/m to u, which moves; damper c = 0.669 N·s/m to u, which moves.",
+    ),
+    (
+        "frame_mu",
+        "x, m = 3.08 kg, sensors of x: spring k = 1191 N/m to u, which moves; damper c = 0.669 N·s/m to u, which moves; friction to the ground, asked for.",
+    ),
     ("lorenz63", "x, measured, asked for. y, measured, asked for. z, measured, asked for."),
     ("lorenz63_quintic", "x, measured, asked for. y, measured, asked for. z, measured, asked for."),
-    ("nncc", "x, m = 1 kg, sensors of x: friction to the ground, asked for; spring to the ground, asked for; damper to the ground, asked for; force F₀·cos(W·t)."),
-    ("pendulum", "θ, sensors of θ: weight on an arm gl·sin(θ); friction to the ground, asked for; damper to the ground, asked for; nonlinear damper to the ground, asked for."),
-    ("servo", "θ, sensors of θ: weight on an arm gl·sin(θ); friction to the ground, asked for; damper to the ground, asked for."),
-    ("silverbox", "y, sensors of y: spring k = 180000 1/s² to the ground; damper c = 40 1/s to the ground; force g·u."),
+    (
+        "nncc",
+        "x, m = 1 kg, sensors of x: friction to the ground, asked for; spring to the ground, asked for; damper to the ground, asked for; force F₀·cos(W·t).",
+    ),
+    (
+        "pendulum",
+        "θ, sensors of θ: weight on an arm gl·sin(θ); friction to the ground, asked for; damper to the ground, asked for; nonlinear damper to the ground, asked for.",
+    ),
+    (
+        "servo",
+        "θ, sensors of θ: weight on an arm gl·sin(θ); friction to the ground, asked for; damper to the ground, asked for.",
+    ),
+    (
+        "silverbox",
+        "y, sensors of y: spring k = 180000 1/s² to the ground; damper c = 40 1/s to the ground; force g·u.",
+    ),
     ("vanderpol", "x, measured, asked for. y, measured, asked for."),
 ];

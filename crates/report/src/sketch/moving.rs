@@ -72,10 +72,8 @@ fn forces(system: &mut System, probe: &Probe, speed: usize) -> (Option<Id>, Vec<
         return (Some(mass), all.into_iter().filter(|f| !of_masses(f)).collect());
     }
     let split = terms(&mut system.graph, system.known[speed], &varying);
-    let rates: Vec<Id> = split
-        .iter()
-        .map(|t| t.over.map_or(t.value, |over| system.graph.div(t.value, over)))
-        .collect();
+    let rates: Vec<Id> =
+        split.iter().map(|t| t.over.map_or(t.value, |over| system.graph.div(t.value, over))).collect();
     let Some(mass) = system.inertia[speed].or_else(|| found_mass(system, probe, &rates)) else {
         return (None, rates);
     };

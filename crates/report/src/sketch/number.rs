@@ -72,11 +72,17 @@ pub(super) fn words(
     }
 }
 
-/// A force as a formula, if it is short.
+/// A force as a formula, if it is short, without the sign of a single product: a spring is not less for it.
 pub(super) fn formula(system: &System, force: Id) -> String {
-    let text = unicode::expression(&system.graph.text(force, &system.names), &[]);
+    let text = signed_formula(system, force);
     let bare = text.strip_prefix('−').filter(|rest| !is_several(rest)).unwrap_or(&text);
-    if bare.chars().count() <= FORMULA { bare.to_owned() } else { String::new() }
+    bare.to_owned()
+}
+
+/// The same with its sign.
+pub(super) fn signed_formula(system: &System, force: Id) -> String {
+    let text = unicode::expression(&system.graph.text(force, &system.names), &[]);
+    if text.chars().count() <= FORMULA { text } else { String::new() }
 }
 
 /// Whether it is a short sum of names.

@@ -4,7 +4,7 @@ use super::acting::{Acting, View};
 use super::linear::{self, Forces};
 use super::moving::{Moving, bodies, varying};
 use super::named::{Named, named};
-use super::number::{INERTIA, Numbers, formula, words};
+use super::number::{INERTIA, Numbers, formula, signed_formula, words};
 use super::probe::Probe;
 use super::scheme::{Block, Body, End, Kind, Known, Scheme};
 use crate::terminal::unicode;
@@ -28,8 +28,8 @@ pub(super) struct Reading {
 impl Reading {
     /// The known part of a case.
     pub(super) fn new(spec: &Spec, case: &Case, found: Numbers) -> Reading {
-        let Named { mut system, mut values } =
-            named(spec).unwrap_or_else(|| Named { system: case.system.clone(), values: own_values(&case.system) });
+        let Named { mut system, mut values } = named(spec)
+            .unwrap_or_else(|| Named { system: case.system.clone(), values: own_values(&case.system) });
         values.extend(found.values);
         let numbers = Numbers { values, errors: found.errors };
         let probe = Probe::new(&system, &numbers.values);
@@ -104,10 +104,14 @@ impl Reading {
         }
         linear::add(&mut view, &linear, numbers, scheme);
         for (body, force) in later {
-            let said = formula(view.system, force);
             match view.acting(body, force) {
-                Acting::Push => scheme.push(body, said_of_push(said), Known::Stated),
-                Acting::Between(kind, ends) => scheme.add(kind, ends, line(said), Known::Stated),
+                Acting::Push => {
+                    let said = signed_formula(view.system, force);
+                    scheme.push(body, if said.is_empty() { "force".to_owned() } else { said }, Known::Stated);
+                }
+                Acting::Between(kind, ends) => {
+                    scheme.add(kind, ends, line(formula(view.system, force)), Known::Stated);
+                }
             }
         }
         // What a body feels of a state that is no motion.
@@ -202,19 +206,21 @@ fn add_memory(view: &mut View<'_>, scheme: &mut Scheme, (body, state): (usize, u
     match felt[..] {
         [] => scheme.push(body, said, Known::Stated),
         _ if view.system.graph.uses(&[rate], &inputs) => scheme.push(body, said, Known::Stated),
-        [one] if one == body => scheme.add(Kind::Force, (End::Ground, End::Body(body)), vec![said], Known::Stated),
-        [one, ..] if one != body => scheme.add(Kind::Force, (End::Body(one), End::Body(body)), vec![said], Known::Stated),
-        [_, other, ..] => scheme.add(Kind::Force, (End::Body(body), End::Body(other)), vec![said], Known::Stated),
+        [one] if one == body => {
+            scheme.add(Kind::Force, (End::Ground, End::Body(body)), vec![said], Known::Stated)
+        }
+        [one, ..] if one != body => {
+            scheme.add(Kind::Force, (End::Body(one), End::Body(body)), vec![said], Known::Stated)
+        }
+        [_, other, ..] => {
+            scheme.add(Kind::Force, (End::Body(body), End::Body(other)), vec![said], Known::Stated)
+        }
         _ => {}
     }
 }
 
 fn line(words: String) -> Vec<String> {
     if words.is_empty() { vec![] } else { vec![words] }
-}
-
-fn said_of_push(words: String) -> String {
-    if words.is_empty() { "force".to_owned() } else { words }
 }
 
 fn own_values(system: &System) -> std::collections::HashMap<String, f64> {

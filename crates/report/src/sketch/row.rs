@@ -13,7 +13,10 @@ const HEAD: f64 = 24.0;
 /// Room for the words and symbols of some parts: the least width, and the height.
 pub(super) fn size(parts: &[&Part]) -> (f64, f64) {
     let wide = parts.iter().map(|p| words_wide(p) + 16.0).fold(LEAST, f64::max);
-    (wide, groups(parts).iter().map(|g| group_high(g)).sum::<f64>() - if parts.is_empty() { 0.0 } else { APART })
+    (
+        wide,
+        groups(parts).iter().map(|g| group_high(g)).sum::<f64>() - if parts.is_empty() { 0.0 } else { APART },
+    )
 }
 
 /// Width of the words of a part.

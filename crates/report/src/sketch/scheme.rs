@@ -134,7 +134,10 @@ impl Scheme {
     pub(crate) fn push(&mut self, body: usize, words: String, known: Known) {
         match self.pushes.iter_mut().find(|p| p.body == body && p.known == known) {
             Some(same) if same.words == words => {}
-            Some(same) => same.words = format!("{} + {words}", same.words),
+            Some(same) => {
+                let next = words.strip_prefix('−').map_or(format!("+ {words}"), |rest| format!("− {rest}"));
+                same.words = format!("{} {next}", same.words);
+            }
             None => self.pushes.push(Push { body, words, known }),
         }
     }

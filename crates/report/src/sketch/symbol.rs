@@ -100,7 +100,12 @@ fn force(long: f64) -> Vec<Stroke> {
     let curve = [(-10.0, 6.0), (-5.0, 5.0), (-2.0, 1.5), (2.0, -1.5), (5.0, -5.0), (10.0, -6.0)];
     vec![
         Line(vec![(0.0, 0.0), (middle - 16.0, 0.0)]),
-        Area(vec![(middle - 16.0, -11.0), (middle + 16.0, -11.0), (middle + 16.0, 11.0), (middle - 16.0, 11.0)]),
+        Area(vec![
+            (middle - 16.0, -11.0),
+            (middle + 16.0, -11.0),
+            (middle + 16.0, 11.0),
+            (middle - 16.0, 11.0),
+        ]),
         Hatch(curve.map(|(x, y)| (middle + x, y)).to_vec()),
         Line(vec![(middle + 16.0, 0.0), (long, 0.0)]),
     ]

@@ -47,21 +47,28 @@ pub(super) fn terms(graph: &mut Graph, sum: Id, moving: &[Id]) -> Vec<Term> {
                 waiting.push(Piece { of: a, ..piece });
             }
             _ => {
-                // `c/m*v` is `c*v` over `m`.
-                let (mut numbers, mut product) = (piece.factors, piece.of);
-                while let Some(factor) = numbers.pop() {
+                // `c/m*v*|v|` is `c*v*|v|` over `m`.
+                let (mut factors, mut waiting_factors) = (vec![], piece.factors);
+                waiting_factors.push(piece.of);
+                while let Some(factor) = waiting_factors.pop() {
                     match graph.node(factor) {
+                        Node::Binary(Binary::Mul, a, b) => waiting_factors.extend([a, b]),
                         Node::Unary(Unary::Neg, a) => {
                             piece.minus = !piece.minus;
-                            numbers.push(a);
+                            waiting_factors.push(a);
                         }
-                        Node::Binary(Binary::Div, a, b) => {
+                        Node::Binary(Binary::Div, a, b) if is_number(b, graph) => {
                             piece.over = Some(piece.over.map_or(b, |over| graph.mul(over, b)));
-                            numbers.push(a);
+                            waiting_factors.push(a);
                         }
-                        _ => product = graph.mul(factor, product),
+                        _ => factors.push(factor),
                     }
                 }
+                // Numbers stand in front, in the order of the spec.
+                factors.reverse();
+                factors.sort_by_key(|f| graph.uses(&[*f], moving));
+                let product =
+                    factors.into_iter().reduce(|product, f| graph.mul(product, f)).unwrap_or(piece.of);
                 let value = if piece.minus { graph.neg(product) } else { product };
                 if graph.value(value) != Some(0.0) {
                     all.push(Term { value, over: piece.over });

@@ -1,8 +1,8 @@
 //! Sketches of all specs: what is in them, and where.
 
 use super::canvas::{Canvas, Room};
-use super::scheme::Scheme;
 use super::mechanisms::{MECHANISMS, SPECS};
+use super::scheme::Scheme;
 use super::*;
 use phisindy_phys::{SourceId, check, spec};
 
@@ -34,9 +34,8 @@ fn overlaps(canvas: &Canvas, words: &dyn Fn(&str) -> bool) -> Vec<String> {
     let meets = |a: &Room, b: &Room| {
         a.left < b.right - 0.5 && b.left < a.right - 0.5 && a.top < b.bottom - 0.5 && b.top < a.bottom - 0.5
     };
-    let holds = |a: &Room, b: &Room| {
-        a.left <= b.left && a.right >= b.right && a.top <= b.top && a.bottom >= b.bottom
-    };
+    let holds =
+        |a: &Room, b: &Room| a.left <= b.left && a.right >= b.right && a.top <= b.top && a.bottom >= b.bottom;
     let mut out = vec![];
     for (k, (a, room)) in canvas.rooms.iter().enumerate() {
         for (b, other) in &canvas.rooms[k + 1..] {

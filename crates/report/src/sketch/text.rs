@@ -75,7 +75,11 @@ fn all(scheme: &Scheme) -> Vec<Line> {
         };
         out.extend(scheme.elements.iter().filter(own).map(|part| of_part(scheme, part)));
         for push in scheme.pushes.iter().filter(|p| p.body == k) {
-            let words = if push.words == "force" { "force from outside".to_owned() } else { format!("force {}", push.words) };
+            let words = if push.words == "force" {
+                "force from outside".to_owned()
+            } else {
+                format!("force {}", push.words)
+            };
             out.push(Line { glyph: "────▶".to_owned(), words, known: push.known, head: false });
         }
     }
