@@ -143,9 +143,12 @@ fn sound(made: &Made) {
     assert_eq!(ids.len(), all, "ids are unique");
     let figures = made.figures();
     // Each is drawn for a desk and for a phone; one of them is shown.
-    for (mark, times) in [("<figure>", 1), ("<figcaption>", 1), (" role=\"img\"", 2)] {
+    let sketches = html.matches("<svg id=\"model-sketch\"").count();
+    for (mark, times) in [("<figure>", 1), ("<figcaption>", 1)] {
         assert_eq!(html.matches(mark).count(), times * figures.len(), "{mark} for each file");
     }
+    // But the sketch, which is moved sideways there.
+    assert_eq!(html.matches(" role=\"img\"").count(), 2 * figures.len() - sketches);
     for link in html.split("href=\"").skip(1).filter_map(|s| s.split('"').next()) {
         let target = link.strip_prefix('#').unwrap_or_else(|| panic!("{link} leaves the page"));
         assert!(html.contains(&format!(" id=\"{target}\"")), "{link} leads nowhere");
@@ -184,7 +187,16 @@ fn a_run_is_told_in_full() {
     sound(made);
     assert_eq!(
         names(made),
-        ["correlation", "first", "friction-y1", "friction-y2", "motion-1", "residual-1", "selection"]
+        [
+            "correlation",
+            "first",
+            "friction-y1",
+            "friction-y2",
+            "model-sketch",
+            "motion-1",
+            "residual-1",
+            "selection"
+        ]
     );
     let equations = result["equations"].as_array().expect("equations");
     assert_eq!(made.html.matches("<math").count(), equations.len());
@@ -232,6 +244,7 @@ fn a_gap_is_told_in_full() {
             "gap",
             "map-1",
             "map-2",
+            "model-sketch",
             "motion-1",
             "motion-2",
             "residual-1",
@@ -252,6 +265,24 @@ fn a_gap_is_told_in_full() {
     for words in ["Explained", "model as it was", "completed model", "validate: not fitted", "<math"] {
         assert!(made.html.contains(words), "{words}");
     }
+}
+
+/// The first sentence has a name, and so has the sketch, in which what was found is lit with its number beside.
+#[test]
+fn the_answer_and_the_sketch_of_the_model_have_names() {
+    for (made, number) in [(case7(), "terms"), (gap(), "Fc = ")] {
+        let finding = made.html.split("<p id=\"finding\"").nth(1).expect("the first sentence");
+        let sentence = finding.split('>').nth(1).and_then(|s| s.split('<').next()).expect("its words");
+        assert!(sentence.len() > 30 && sentence.trim_end().ends_with('.'), "{sentence}");
+        let sketch = made.html.split("<svg id=\"model-sketch\"").nth(1).expect("a sketch");
+        let sketch = sketch.split("</svg>").next().expect("its end");
+        let lit = sketch.split("<text class=\"label middle found\"").skip(1);
+        let lit: Vec<&str> = lit.filter_map(|s| s.split('>').nth(1)?.split('<').next()).collect();
+        assert!(lit.iter().any(|words| words.contains(number)), "{lit:?}");
+        assert!(sketch.contains("found friction") || sketch.contains("found ground"), "{sketch}");
+    }
+    // What could not be fitted has a sentence too.
+    assert!(rejected().html.contains("<p id=\"finding\""));
 }
 
 /// The largest force that a picture of the gap's effects tells of, and against what it is drawn.
@@ -443,6 +474,8 @@ const measured = (frame) => {
     pictures: all('svg[role=img]').length, formulas: all('math').length,
     cut: all('svg[role=img] text').filter(leaves).map((e) => e.textContent),
     flat: all('svg[role=img], math, table, figcaption').filter(flat).length,
+    // The bodies of the sketch keep their height beside the style sheet of the page.
+    low: all('#model-sketch .moving .body').filter((e) => e.getBoundingClientRect().height < 30).length,
     requests: view.performance.getEntriesByType('resource').length,
     paper: view.getComputedStyle(page.documentElement).backgroundColor, ink: view.getComputedStyle(page.body).color,
     sizes: all('.chart .label').length ? parseFloat(view.getComputedStyle(all('.chart .label')[0]).fontSize) * all('svg[role=img]')[0].getBoundingClientRect().width / all('svg[role=img]')[0].viewBox.baseVal.width : 0,
@@ -480,6 +513,7 @@ fn a_browser_shows_it_on_phone_and_desk_in_light_and_dark_and_on_paper() {
             for page in &said {
                 assert!(page["needs"].as_f64() <= page["width"].as_f64(), "scrolls sideways: {page}");
                 assert_eq!((&page["flat"], &page["requests"]), (&0.into(), &0.into()), "{page}");
+                assert_eq!(page["low"], 0, "{page}");
                 assert_eq!(page["pictures"].as_u64(), Some(made.figures().len() as u64), "{page}");
                 assert_eq!(
                     page["formulas"].as_u64(),

@@ -36,6 +36,10 @@ fn a_terminal_gets_unicode_colours_a_plot_and_the_report_last() {
     assert!(said.chars().any(|c| ('\u{2801}'..='\u{28ff}').contains(&c)), "a plot: {said}");
     let last = said.trim_end().lines().last().expect("a line").to_owned();
     assert!(last.ends_with("report.html"), "{last}");
+    // What can be done with it stands above.
+    for next in ["phisindy next ", "phisindy simulate ", "phisindy export "] {
+        assert!(said.contains(next), "{next}: {said}");
+    }
 
     let plain = at_terminal(&run, false).expect("a terminal as before");
     let result = plain.split("identified").nth(1).expect("the result");
@@ -63,6 +67,18 @@ fn a_terminal_obeys_no_spec() {
     std::fs::copy(common::top().join("docs/tutorial/rig.csv"), &name).expect("a file");
     let said = common::phisindy(&["new", &name, "--out", &scratch.path("b.ron")]);
     assert!(said.code == 0 && !said.err.contains('\u{1b}'), "{:?}", said.err);
+}
+
+#[test]
+fn a_terminal_gets_the_sketch_of_a_model_that_is_checked_and_a_pipe_does_not() {
+    let Some(said) = at_terminal(&["check", "specs/case5.ron"], false) else { return };
+    for part in ["x₁, m₁ = 1 kg", "spring k₂ = 1 N/m to x₂", "friction to the ground, asked for"] {
+        assert!(said.contains(part), "{part}: {said}");
+    }
+    let quiet = at_terminal(&["check", "specs/case5.ron", "--quiet"], false).expect("a terminal as before");
+    assert_eq!(quiet, "");
+    let piped = program(&["check", "specs/case5.ron"]).output().expect("the program");
+    assert_eq!(String::from_utf8_lossy(&piped.stdout), "");
 }
 
 /// The rows of a screen of `wide` columns after what a program wrote: new lines, returns, moves up and down,

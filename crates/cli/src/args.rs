@@ -424,18 +424,7 @@ fn time_unit(text: &str) -> Result<String, String> {
 
 /// How many counts are a turn, a length or an acceleration; the unit of one count.
 fn counts(text: &str) -> Result<CountUnit, String> {
-    let wrong = || "how many counts are a turn or a length, as in 4096/rev or 200/mm".to_owned();
-    let (heading, ratio) = match text.rsplit_once('=') {
-        Some((heading, ratio)) => (Some(heading.trim().to_owned()), ratio),
-        None => (None, text),
-    };
-    let (number, unit) = ratio.split_once('/').ok_or_else(wrong)?;
-    let (number, unit) = (number.trim(), unit.trim());
-    let many = number.parse::<f64>().is_ok_and(|n| n.is_normal() && n > 0.0);
-    let heading_of = Heading::parse(&format!("x [{unit}]"));
-    let measures = matches!(heading_of.quantity, Quantity::Angle | Quantity::Length | Quantity::Acceleration);
-    let unit = format!("{}/{number}", heading_of.unit.unwrap_or_default());
-    (many && measures && Unit::parse(&unit).is_ok()).then_some(CountUnit { heading, unit }).ok_or_else(wrong)
+    CountUnit::parse(text)
 }
 
 /// A number of rows per second.

@@ -25,12 +25,32 @@ pub(crate) fn look() -> Option<Look> {
     io::stdout().is_terminal().then_some(Look { colour, width: if width == 0 { 80 } else { width } })
 }
 
-/// Says at the end where the report is, as a path that a terminal makes a link of.
-pub(crate) fn tell_report(folder: Option<&Path>, look: Option<Look>) -> Result<()> {
-    match (folder, look) {
-        (Some(folder), Some(_)) => print(&format!("\nreport: {}\n", folder.join("report.html").display())),
-        _ => Ok(()),
+/// Says at the end what can be done with a result, and where the report is, as a path that a terminal makes a link of.
+/// `model` is the file of the folder that holds the model, where it can be used.
+pub(crate) fn tell_report(folder: Option<&Path>, model: Option<&str>, look: Option<Look>) -> Result<()> {
+    let (Some(folder), Some(_)) = (folder, look) else { return Ok(()) };
+    let mut text = String::from("\n");
+    if let Some(file) = model.map(|name| folder.join(name)).filter(|file| file.is_file()) {
+        let (file, folder) = (quoted(&file), quoted(folder));
+        let next = [
+            (format!("phisindy next {folder}"), "the run that tells most beyond this one"),
+            (format!("phisindy simulate {file}"), "what the model predicts, as a table"),
+            (format!("phisindy export {file} --to python"), "the model as a program"),
+        ];
+        let wide = next.iter().map(|(line, _)| line.chars().count()).max().unwrap_or(0);
+        for (line, what) in next {
+            text += &format!("  {line:<wide$}  {what}\n");
+        }
+        text += "\n";
     }
+    print(&format!("{text}report: {}\n", folder.join("report.html").display()))
+}
+
+/// The path quoted for a shell.
+pub(crate) fn quoted(path: &Path) -> String {
+    let text = path.display().to_string();
+    let plain = text.chars().all(|c| c.is_alphanumeric() || "/._-+=".contains(c));
+    if plain { text } else { format!("'{}'", text.replace('\'', "'\\''")) }
 }
 
 /// Prints the result. Titles and names of somebody else's spec give no commands to a terminal.

@@ -1,6 +1,7 @@
 //! Questions that a data file leaves open, and the answers of the user.
 
 use crate::headings::{ACCELERATIONS, Heading, Quantity};
+use phisindy_phys::unit::Unit;
 use std::fmt;
 
 /// What stands before a question that is open, in the comment at the head of a draft.
@@ -155,6 +156,33 @@ impl Answers {
 }
 
 impl CountUnit {
+    /// What `4096/rev` says of all columns that count, `enc_motor=4096/rev` of one of them.
+    ///
+    /// # Errors
+    /// In words: what it should say.
+    ///
+    /// ```
+    /// use phisindy_import::CountUnit;
+    /// let said = CountUnit::parse("enc_motor=4096/rev").unwrap();
+    /// assert_eq!((said.heading.as_deref(), said.unit.as_str()), (Some("enc_motor"), "rev/4096"));
+    /// assert!(CountUnit::parse("4096/kg").is_err());
+    /// ```
+    pub fn parse(text: &str) -> Result<CountUnit, String> {
+        let wrong = || "how many counts are a turn or a length, as in 4096/rev or 200/mm".to_owned();
+        let (heading, ratio) = match text.rsplit_once('=') {
+            Some((heading, ratio)) => (Some(heading.trim().to_owned()), ratio),
+            None => (None, text),
+        };
+        let (number, unit) = ratio.split_once('/').ok_or_else(wrong)?;
+        let (number, unit) = (number.trim(), unit.trim());
+        let many = number.parse::<f64>().is_ok_and(|n| n.is_normal() && n > 0.0);
+        let of = Heading::parse(&format!("x [{unit}]"));
+        let measures = matches!(of.quantity, Quantity::Angle | Quantity::Length | Quantity::Acceleration);
+        let unit = format!("{}/{number}", of.unit.unwrap_or_default());
+        let sound = many && measures && Unit::parse(&unit).is_ok();
+        sound.then_some(CountUnit { heading, unit }).ok_or_else(wrong)
+    }
+
     /// Whether a column may count that: an accelerometer gravities, an encoder turns or lengths.
     fn fits(&self, heading: &Heading) -> bool {
         let accelerates = Heading::parse(&format!("x [{}]", self.unit)).quantity == Quantity::Acceleration;

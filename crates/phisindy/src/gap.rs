@@ -7,8 +7,8 @@ use crate::loaded::Loaded;
 use crate::options::Options;
 use crate::record::Record;
 use phisindy_gap::{self as workflow, Activity, Standing, Status, Step};
-use phisindy_report::equations;
 use phisindy_report::{Ending, Folder, Format, GapReport, Invocation, StopReason};
+use phisindy_report::{Shown, equations};
 
 /// Finds where a model and its records disagree, names the laws of the catalogue that are missing, and adds
 /// them. Candidates and laws in `unknown` are
@@ -103,6 +103,11 @@ impl Gap {
     /// says why.
     pub fn folder_of(&self, seconds: f64, how: &Invocation, why: StopReason) -> Folder {
         Folder::of_gap(&self.report(seconds, why), how)
+    }
+
+    /// Each measured column of each record beside what the model says of it, in the units of the spec.
+    pub fn shown(&self) -> Vec<Shown> {
+        self.report(0.0, StopReason::Interrupt).shown()
     }
 
     fn report(&self, seconds: f64, why: StopReason) -> GapReport<'_> {

@@ -8,7 +8,9 @@ use crate::options::Options;
 use crate::record::Record;
 use phisindy_learn::{self as learn, Estimate, FoundParameter, LearnOptions, RecordFit, Verdict};
 use phisindy_phys::Sources;
-use phisindy_report::{Ending, Folder, Format, Invocation, RunReport, StopReason, equations, spec_text};
+use phisindy_report::{
+    Ending, Folder, Format, Invocation, RunReport, Shown, StopReason, equations, spec_text,
+};
 
 /// Identifies the unknown part of a case from its records.
 ///
@@ -165,6 +167,11 @@ impl Identified {
     /// says why.
     pub fn folder_of(&self, seconds: f64, how: &Invocation, why: StopReason) -> Folder {
         Folder::of_run(&self.report(seconds, why), self.loaded.input(), &self.result, how)
+    }
+
+    /// Each measured column of each record beside what the model says of it, in the units of the spec.
+    pub fn shown(&self) -> Vec<Shown> {
+        self.report(0.0, StopReason::Interrupt).shown()
     }
 
     fn report(&self, seconds: f64, why: StopReason) -> RunReport<'_> {

@@ -68,4 +68,4 @@ pub use phisindy_learn::{Estimate, FoundParameter, LearnError, RecordFit, Verdic
 pub use phisindy_phys::LawEntry;
 pub use phisindy_phys::spec::{Method, Role};
 pub use phisindy_phys::{Diagnostic, Sources};
-pub use phisindy_report::{Folder, Format};
+pub use phisindy_report::{Folder, Format, Shown};

@@ -15,6 +15,7 @@
 
 from ._case import Case
 from ._cluster import map, sweep
+from ._draft import Draft, go, new
 from ._errors import DataError, NumericsError, PhisindyError, SpecError
 from ._estimator import PhisindyRegressor
 from ._journal import Failed
@@ -27,6 +28,7 @@ __all__ = [
     "Case",
     "Comparison",
     "DataError",
+    "Draft",
     "Failed",
     "Gap",
     "Identified",
@@ -40,8 +42,10 @@ __all__ = [
     "__version__",
     "compare",
     "gap",
+    "go",
     "laws",
     "map",
+    "new",
     "next",
     "run",
     "simulate",

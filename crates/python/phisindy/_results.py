@@ -22,6 +22,8 @@ from ._errors import DataError
 from ._tables import Columns, table
 
 Array = npt.NDArray[np.float64]
+# Record, column, unit, times, what was measured, the free run of the model.
+Shown = tuple[str, str, str, Array, Array, Array]
 
 
 class Motion(Mapping[str, Array]):
@@ -132,13 +134,15 @@ class _Kept:
 
     texts: dict[str, str]
     folder: list[tuple[str, str]]
+    columns: list[Shown]
 
     @classmethod
     def of(cls, native: Any) -> _Kept:
         """Those of a result of the compiled module, or of one that has travelled."""
         if isinstance(native, cls):
             return native
-        return cls({name: getattr(native, name)() for name in ("json", "written", "latex", "model")}, native.files())
+        texts = {name: getattr(native, name)() for name in ("json", "written", "latex", "model")}
+        return cls(texts, native.files(), native.shown())
 
     def json(self) -> str:
         return self.texts["json"]
@@ -154,6 +158,9 @@ class _Kept:
 
     def files(self) -> list[tuple[str, str]]:
         return self.folder
+
+    def shown(self) -> list[Shown]:
+        return self.columns
 
 
 class _Result:
@@ -239,6 +246,50 @@ class _Result:
         columns = table({"t": t}) + _columns("x", x, "state", case.states) + _columns("u", u, "input", case.inputs)
         return dict(_native.rates(self.case._native, columns))
 
+    def table(self) -> Any:
+        """The numbers that were found as a DataFrame, a row for each: where it stands, value, unit, error, 95 % interval.
+
+        It needs pandas.
+        """
+        try:
+            import pandas
+        except ImportError as error:
+            raise DataError("a table needs the package pandas: pip install pandas") from error
+        names = ["of", "name", "value", "unit", "std_error", "low", "high"]
+        return pandas.DataFrame([[row[name] for name in names] for row in self._numbers()], columns=names)
+
+    def _numbers(self) -> list[dict[str, Any]]:
+        """A row of ``table`` for each number."""
+        return [_number("constant", one["name"], one) for one in self.parameters]
+
+    def plot(self, record: str | None = None) -> Any:
+        """The figure of what was measured and of the free run of the model, as ``matplotlib`` draws it.
+
+        A panel for each column; ``record`` is the name of one, else the first is shown. It needs matplotlib.
+        """
+        try:
+            from matplotlib import pyplot
+        except ImportError as error:
+            raise DataError("a plot needs the package matplotlib: pip install matplotlib") from error
+        every = self._native.shown()
+        names = list(dict.fromkeys(one[0] for one in every))
+        wanted = names[0] if record is None and names else record
+        columns = [one for one in every if one[0] == wanted]
+        if not columns:
+            raise DataError(f"there is no record {record!r}; there is: {', '.join(map(repr, names)) or 'none'}")
+        figure, axes = pyplot.subplots(
+            len(columns), 1, sharex=True, squeeze=False, figsize=(8.0, 1.2 + 2.2 * len(columns)), layout="constrained"
+        )
+        for axis, (_, name, unit, time, measured, model) in zip(axes[:, 0], columns):
+            axis.plot(time, measured, ".", color="0.6", markersize=3, label="measured")
+            if len(model) > 0:
+                axis.plot(time, model, color="#0072b2", linewidth=1.3, label="model")
+            axis.set_ylabel(f"{name} ({unit})" if unit else name)
+        axes[0, 0].set_title(f"{wanted}: {self._dict['verdict' if 'verdict' in self._dict else 'status']}")
+        axes[0, 0].legend(loc="upper right")
+        axes[-1, 0].set_xlabel("time (s)")
+        return figure
+
     def __reduce__(self) -> tuple[Any, ...]:
         return (type(self), (_Kept.of(self._native), self._path))
 
@@ -248,6 +299,20 @@ class _Result:
     def _repr_html_(self) -> str:
         page = html.escape(self._files["report.html"])
         return f'<iframe srcdoc="{page}" style="width: 100%; height: 900px; border: 0"></iframe>'
+
+
+def _number(of: str, name: str, given: Mapping[str, Any], value: str = "value") -> dict[str, Any]:
+    """A row of a table of numbers."""
+    low, high = given.get("ci95") or (None, None)
+    return {
+        "of": of,
+        "name": name,
+        "value": given.get(value),
+        "unit": given.get("unit"),
+        "std_error": given.get("std_error"),
+        "low": low,
+        "high": high,
+    }
 
 
 class Identified(_Result):
@@ -282,6 +347,10 @@ class Identified(_Result):
     def steps(self) -> list[dict[str, Any]]:
         """Laws that were added: none, ``run`` adds no laws."""
         return []
+
+    def _numbers(self) -> list[dict[str, Any]]:
+        terms = [_number(one["state"], one["candidate"], one, "coefficient") for one in self.terms]
+        return terms + super()._numbers()
 
     def __repr__(self) -> str:
         return str(self._native.written())
@@ -320,6 +389,14 @@ class Gap(_Result):
     def latex(self) -> str:
         """The equations of the completed model in LaTeX, a line for each."""
         return str(self._native.latex())
+
+    def _numbers(self) -> list[dict[str, Any]]:
+        laws = [
+            _number(f"{step['law']} at {step['at']}", name, one)
+            for step in self.steps
+            for name, one in step["parameters"].items()
+        ]
+        return laws + super()._numbers()
 
     def __repr__(self) -> str:
         return str(self._native.written())

@@ -3,11 +3,12 @@
 use crate::errors::{DataError, Failure, raised, spec_error};
 use crate::table::{Slices, Table, columns, slices};
 use crate::work::{Observe, Stop, worked};
+use numpy::{PyArray1, ToPyArray};
 use phisindy::files::{
     self, FolderError, Naming, Purpose, Request, ResultFolder, law_files, named_files, open_text,
 };
 use phisindy::{
-    Case, Catalogue, Error, Folder, Format, Gap, Identified, Loaded, Method, Options, RecordError,
+    Case, Catalogue, Error, Folder, Format, Gap, Identified, Loaded, Method, Options, RecordError, Shown,
 };
 use pyo3::prelude::*;
 use std::path::PathBuf;
@@ -226,6 +227,15 @@ fn save(files: Vec<(String, String)>, folder: PathBuf, force: bool) -> PyResult<
     place.put(&Folder { files, lacks: None }).map(drop).map_err(cannot)
 }
 
+/// Record, column, unit, times, what was measured, the free run of the model.
+type ShownRow<'py> = (String, String, String, Values<'py>, Values<'py>, Values<'py>);
+type Values<'py> = Bound<'py, PyArray1<f64>>;
+
+fn row<'py>(py: Python<'py>, shown: &Shown) -> ShownRow<'py> {
+    let [time, measured, model] = [&shown.time, &shown.measured, &shown.model].map(|all| all.to_pyarray(py));
+    (shown.record.clone(), shown.column.clone(), shown.unit.clone(), time, measured, model)
+}
+
 /// What `run` found.
 #[pyclass(name = "Run", frozen)]
 pub(crate) struct NativeRun(Work<Identified>);
@@ -266,6 +276,12 @@ impl NativeRun {
 
     fn latex(&self) -> String {
         self.0.found.latex()
+    }
+
+    /// Each measured column beside what the model says of it.
+    fn shown<'py>(&self, py: Python<'py>) -> Vec<ShownRow<'py>> {
+        let all = py.detach(|| self.0.found.shown());
+        all.iter().map(|one| row(py, one)).collect()
     }
 
     /// Path and text of each file.
@@ -320,6 +336,12 @@ impl NativeGap {
     /// The equations of the completed model.
     fn latex(&self, py: Python<'_>) -> PyResult<String> {
         self.0.found.latex().map_err(|e| raised(py, e))
+    }
+
+    /// Each measured column beside what the model says of it.
+    fn shown<'py>(&self, py: Python<'py>) -> Vec<ShownRow<'py>> {
+        let all = py.detach(|| self.0.found.shown());
+        all.iter().map(|one| row(py, one)).collect()
     }
 
     /// Path and text of each file.

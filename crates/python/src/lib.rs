@@ -1,6 +1,7 @@
 //! `phisindy._native`: what the Python package `phisindy` calls. Classes for users are in `phisindy/*.py`;
 //! here are handles, arrays without copies, threads without the interpreter's lock, and exceptions.
 
+mod draft;
 mod errors;
 mod fit;
 mod motion;
@@ -40,6 +41,7 @@ fn laws(folder: Option<std::path::PathBuf>) -> PyResult<Vec<LawRow>> {
 #[pymodule]
 fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    draft::add(m)?;
     errors::add(m)?;
     fit::add(m)?;
     motion::add(m)?;

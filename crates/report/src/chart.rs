@@ -20,7 +20,7 @@ mod strip;
 pub(crate) use axis::{Axis, Scale, digits};
 pub(crate) use coordinates::Place;
 pub(crate) use heatmap::heatmap;
-pub(crate) use label::{shortened, width_of, word};
+pub(crate) use label::{at, shortened, width_of, word};
 pub(crate) use legend::{Entry, Swatch, legend};
 pub(crate) use mark::Mark;
 pub(crate) use panel::Panel;

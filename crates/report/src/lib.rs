@@ -11,6 +11,7 @@
 //! a model without unknown part --> Python, C, Modelica, JSON (export)
 //! RunReport, GapReport --> Folder: the files of `--out`
 //! laws --> list, gallery, pictures                           (laws)
+//! spec, case --> the model as a picture and as lines         (sketch)
 //! ```
 
 mod chart;
@@ -28,6 +29,7 @@ mod measured_force;
 mod next;
 pub mod run;
 mod seen;
+mod sketch;
 pub mod spec_text;
 mod stretch;
 pub mod sweep;
@@ -44,4 +46,6 @@ pub use html::HtmlReport;
 pub use input::{Ending, Input, Invocation, StopReason};
 pub use next::{NextReport, Outcome as PlannedOutcome, Plan, Predicted, QuantityShown, model_name};
 pub use run::RunReport;
+pub use seen::Shown;
+pub use sketch::sketch;
 pub use terminal::Look;

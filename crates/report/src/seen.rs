@@ -64,7 +64,46 @@ pub(crate) struct Column<'a> {
     pub(crate) parts: Vec<Part>,
 }
 
+/// A measured column beside what the model says of it, in the unit of the spec.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shown {
+    /// Name of the record.
+    pub record: String,
+    /// Name of the column.
+    pub column: String,
+    /// Its unit.
+    pub unit: String,
+    /// In seconds.
+    pub time: Vec<f64>,
+    /// What was measured.
+    pub measured: Vec<f64>,
+    /// The free run of the model; empty where it has none.
+    pub model: Vec<f64>,
+}
+
 impl Seen<'_> {
+    /// All measured columns of all records.
+    pub(crate) fn shown(&self) -> Vec<Shown> {
+        let of = |r: usize| {
+            let one = move |c: Column<'_>| {
+                let (_, measured) = c.parts.into_iter().next()?;
+                let residual = self.model.as_ref().and_then(|m| m.residual(r, c.name));
+                let left = |residual: Vec<f64>| measured.iter().zip(residual).map(|(x, e)| x - e).collect();
+                let model: Vec<f64> = residual.map_or(vec![], left);
+                Some(Shown {
+                    record: self.records[r].name.clone(),
+                    column: c.name.to_owned(),
+                    unit: c.unit.to_owned(),
+                    time: self.records[r].time.to_vec(),
+                    measured,
+                    model,
+                })
+            };
+            self.columns(&[r]).into_iter().filter_map(one).collect::<Vec<_>>()
+        };
+        (0..self.records.len()).flat_map(of).collect()
+    }
+
     /// Chains of records: those that continue one another on one time axis.
     pub(crate) fn chains(&self) -> Vec<Vec<usize>> {
         let mut chains: Vec<Vec<usize>> = Vec::new();

@@ -2,10 +2,11 @@
 
 use super::spec_file::loaded_with_warnings;
 use crate::args::Options;
-use crate::terminal::{INPUT, complain, remark};
+use crate::terminal::{INPUT, complain, look, print, remark};
 use phisindy::files::Purpose;
 use phisindy_learn::suitable;
 use phisindy_phys::spec::Role;
+use phisindy_report::sketch;
 use std::path::PathBuf;
 
 /// Checks specs and their data files, and returns the exit code.
@@ -27,10 +28,25 @@ pub(crate) fn check(specs: &[PathBuf], options: &Options) -> u8 {
                     n => format!(", {n} warnings"),
                 };
                 remark(&format!("{}: no mistakes{warned}", spec.display()));
+                if let Some(look) = look() {
+                    return drawn(&sketch(&loaded.parsed, &loaded.case, look));
+                }
             }
             0
         }
         Err(code) => code,
     });
     codes.max().unwrap_or(0)
+}
+
+/// Prints the sketch of a model, so that who wrote the spec sees what it says.
+fn drawn(lines: &[String]) -> u8 {
+    let text: String = lines.iter().map(|line| format!("{line}\n")).collect();
+    match print(&text) {
+        Ok(()) => 0,
+        Err(why) => {
+            complain(&format!("{why:#}"));
+            INPUT
+        }
+    }
 }

@@ -32,6 +32,6 @@ pub(crate) fn compare(paths: &[PathBuf], options: &Options) -> Result<u8> {
     let kept =
         folder.as_ref().map_or(Ok(None), |folder| folder.put(&Folder::of_comparison(&report, &options.line)));
     print(&report.written(options.format.into()))?;
-    tell_report(kept?.as_deref(), options.look)?;
+    tell_report(kept?.as_deref(), None, options.look)?;
     Ok(if report.is_quiet() { 0 } else { REJECTED })
 }

@@ -9,6 +9,7 @@ use crate::terminal::{INPUT, NUMERICS, REJECTED, print, remark, tell_report};
 use anyhow::{Result, bail};
 use phisindy::files::{Asked, Purpose, beside};
 use phisindy_gap::GapError;
+use phisindy_report::spec_text::COMPLETED;
 use phisindy_report::{Ending, Folder, GapReport};
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -78,7 +79,8 @@ pub(crate) fn gap(spec: &Path, without: &[String], options: &Options) -> Result<
     print(
         &options.look.map_or_else(|| report.written(options.format.into()), |look| report.at_terminal(look)),
     )?;
-    tell_report(kept?.as_deref(), options.look)?;
+    let model = found.status.holds().then_some(COMPLETED);
+    tell_report(kept?.as_deref(), model, options.look)?;
     if found.interrupted() {
         interrupt::tell();
     }

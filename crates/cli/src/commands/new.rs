@@ -2,7 +2,7 @@
 
 use crate::args::{NewArgs, Options};
 use crate::progress::Progress;
-use crate::terminal::{INPUT, print, remark};
+use crate::terminal::{INPUT, look, print, quoted, remark};
 use crate::{draw, outdir};
 use anyhow::{Result, anyhow};
 use phisindy::files;
@@ -10,7 +10,8 @@ use phisindy_expr::Span;
 use phisindy_import::{
     DataFile, Draft, Question, accepted, next_step, spec_text, summary, table, unreadable,
 };
-use phisindy_phys::{Diagnostic, Sources};
+use phisindy_phys::{Diagnostic, SourceId, Sources, spec};
+use phisindy_report::{Look, sketch};
 use std::cell::RefCell;
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom};
@@ -86,6 +87,10 @@ pub(crate) fn written(args: &NewArgs, options: &Options, open_questions: bool) -
     }
     if !options.quiet {
         summary(&draft, &file).iter().for_each(|line| remark(line));
+        // A pipe, or a terminal that shows the spec itself, gets no picture of it.
+        if let (Some(look), Some(_)) = (look(), out) {
+            sketched(&text, look).iter().for_each(|line| remark(line));
+        }
         let edit = "look at its lines marked EDIT, then type";
         remark(&match out {
             Some(out) => format!("{} is written: {edit}", out.display()),
@@ -94,6 +99,14 @@ pub(crate) fn written(args: &NewArgs, options: &Options, open_questions: bool) -
         remark(&format!("    phisindy {} {next}", next_step(&draft)));
     }
     Ok(0)
+}
+
+/// The model of a spec as lines.
+fn sketched(text: &str, look: Look) -> Vec<String> {
+    let source = SourceId(0);
+    let Ok((spec, _)) = spec::read(text, source) else { return vec![] };
+    let case = phisindy_phys::check(&spec, source);
+    case.map_or(vec![], |(case, _)| sketch(&spec, &case, look))
 }
 
 fn drafted(args: &NewArgs, quiet: bool, sources: &mut Sources) -> Result<Draft, Box<Diagnostic>> {
@@ -158,11 +171,4 @@ fn next_command(args: &NewArgs, out: Option<&Path>) -> String {
 /// Whether two paths lead to one file or folder.
 fn same(a: &Path, b: &Path) -> bool {
     a.canonicalize().is_ok_and(|a| b.canonicalize().is_ok_and(|b| a == b))
-}
-
-/// The word quoted for a shell.
-fn quoted(path: &Path) -> String {
-    let text = path.display().to_string();
-    let plain = text.chars().all(|c| c.is_alphanumeric() || "/._-+=".contains(c));
-    if plain { text } else { format!("'{}'", text.replace('\'', "'\\''")) }
 }

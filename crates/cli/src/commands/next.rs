@@ -30,7 +30,7 @@ pub(crate) fn next(path: &Path, narrow: Option<&str>, options: &Options) -> Resu
     };
     let kept = folder.as_ref().map_or(Ok(None), |folder| folder.put(&report.folder(&options.line)));
     print(&report.written(options.format.into()))?;
-    tell_report(kept?.as_deref(), options.look)?;
+    tell_report(kept?.as_deref(), None, options.look)?;
     if interrupt::requested() {
         interrupt::tell();
         return Ok(interrupt::code());

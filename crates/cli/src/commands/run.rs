@@ -11,6 +11,7 @@ use phisindy::Loaded;
 use phisindy::files::{Asked, Purpose};
 use phisindy_learn::{Identified, LearnError, LearnOptions};
 use phisindy_phys::{Diagnostic, Sources};
+use phisindy_report::spec_text::IDENTIFIED;
 use phisindy_report::{Ending, Folder, RunReport};
 use std::io::{self, IsTerminal};
 use std::ops::ControlFlow;
@@ -82,7 +83,8 @@ fn run_one(spec: &Path, folder: Option<&Results>, options: &Options, follows: bo
     let text =
         options.look.map_or_else(|| report.written(options.format.into()), |look| report.at_terminal(look));
     print(&format!("{blank}{text}"))?;
-    tell_report(kept?.as_deref(), options.look)?;
+    let model = found.verdict.holds().then_some(IDENTIFIED);
+    tell_report(kept?.as_deref(), model, options.look)?;
     if found.interrupted() {
         interrupt::tell();
     }

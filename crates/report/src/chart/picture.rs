@@ -34,6 +34,11 @@ impl Chart {
         Chart { name, title, description, width, height, body: vec![], cuts: vec![] }
     }
 
+    /// Its width as it is drawn.
+    pub(crate) fn width(&self) -> f64 {
+        self.width
+    }
+
     /// Adds elements.
     pub(crate) fn draw(&mut self, parts: impl IntoIterator<Item = Element>) {
         self.body.extend(parts);
@@ -69,9 +74,18 @@ impl Chart {
     /// The picture as an element of a page that includes the style sheet. `variant` tells pictures of one
     /// name apart.
     pub(crate) fn inline(&self, variant: &str) -> Element {
+        self.inside(element("svg"), variant)
+    }
+
+    /// The same with its name as the `id` of the element.
+    pub(crate) fn named(&self) -> Element {
+        self.inside(element("svg").with("id", &self.name), "")
+    }
+
+    fn inside(&self, svg: Element, variant: &str) -> Element {
         let id = |part: &str| format!("{}{variant}-{part}", self.name);
         let (title, description) = (id("title"), id("desc"));
-        self.frame()
+        self.framed(svg)
             .with("aria-labelledby", format!("{title} {description}"))
             .add(element("title").with("id", title).text(&self.title))
             .add(element("desc").with("id", description).text(&self.description))
@@ -82,7 +96,7 @@ impl Chart {
     /// The picture as a file, with the style sheet in it.
     pub(crate) fn file(&self) -> String {
         let svg = self
-            .frame()
+            .framed(element("svg"))
             .with("xmlns", "http://www.w3.org/2000/svg")
             .add(element("title").text(&self.title))
             .add(element("desc").text(&self.description))
@@ -92,9 +106,8 @@ impl Chart {
         format!("{svg}\n")
     }
 
-    fn frame(&self) -> Element {
-        element("svg")
-            .class("chart")
+    fn framed(&self, svg: Element) -> Element {
+        svg.class("chart")
             .with("role", "img")
             .with("viewBox", format!("0 0 {} {}", self.width, self.height))
             .with("width", self.width)

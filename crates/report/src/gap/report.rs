@@ -2,7 +2,7 @@
 
 use crate::input::{Ending, Input};
 use crate::next::Outcome as PlannedOutcome;
-use crate::seen::{Model, Seen};
+use crate::seen::{Model, Seen, Shown};
 use phisindy_gap::{Gap, Warning};
 use phisindy_phys::LawEntry;
 
@@ -25,6 +25,11 @@ impl<'a> GapReport<'a> {
     /// Warnings that the text of the result does not hold.
     pub fn notes(&self) -> impl Iterator<Item = &'a Warning> {
         self.gap.warnings.iter().filter(|w| !matches!(w, Warning::Alternative(_)))
+    }
+
+    /// Each measured column beside what the model says of it.
+    pub fn shown(&self) -> Vec<Shown> {
+        self.seen().shown()
     }
 
     /// The records with the model before and after effects were added.

@@ -13,6 +13,7 @@ use crate::gap::{Balance, Finding, GapReport, balance, finding, remarks, rivals,
 use crate::input::{Ending, Invocation};
 use crate::markup::{Element, element};
 use crate::seen::{Seen, notes};
+use crate::sketch;
 use phisindy_gap::{ColumnGap, ColumnRepeat, Gap, Region, Status, Step, Warning};
 use phisindy_phys::{Case, LawEntry};
 
@@ -30,6 +31,7 @@ pub(crate) fn page(report: &GapReport<'_>, invocation: &Invocation) -> Page {
     }
     next::add(&mut page, &steps);
     first_screen(&mut page, found, &seen, &balances);
+    page.sketch(sketch::of_gap(report));
     page.list(
         "The planned run",
         &report.planned.map(|p| sentence(&p.sentence)).into_iter().collect::<Vec<_>>(),

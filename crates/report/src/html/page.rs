@@ -12,6 +12,9 @@ const SCRIPT: &str = include_str!("script.js");
 const POLICY: &str = "default-src 'none'; script-src 'sha256-nl+VQ7WhhobBniBj7gymgbXc/EYVs/xbcLRIG/saus8='; \
                       style-src 'unsafe-inline'; img-src data:; base-uri 'none'; form-action 'none'";
 
+/// A sketch is drawn no smaller than this part of its size: its words stay legible.
+const LEGIBLE: f64 = 0.8;
+
 /// The tone of a result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Tone {
@@ -137,6 +140,21 @@ impl Page {
         figure
     }
 
+    /// Adds the sketch of the model. It is drawn once: on a phone a wide one is moved sideways.
+    pub(crate) fn sketch(&mut self, made: Option<Captioned>) {
+        let Some((chart, caption)) = made else { return };
+        let held = element("div").with("style", format!("min-width:{}px", (LEGIBLE * chart.width()).ceil()));
+        let scroll = element("div")
+            .class("scroll")
+            .with("tabindex", 0)
+            .with("role", "group")
+            .with("aria-label", "sketch of the model")
+            .add(held.add(chart.named()));
+        let caption = element("figcaption").text(tied(&caption));
+        self.section("The model", [element("figure").add(scroll).add(caption)]);
+        self.charts.push(chart);
+    }
+
     /// Adds the figures of the first screen, side by side, and what stands below them. Sections that were
     /// added before stand above.
     pub(crate) fn first(&mut self, figures: Vec<Element>, below: Vec<Element>) {
@@ -184,7 +202,7 @@ impl Page {
         let banner = element("div")
             .class(format!("banner {class}"))
             .add(verdict)
-            .add(worded(element("p").class("finding"), &self.banner.text))
+            .add(worded(element("p").with("id", "finding").class("finding"), &self.banner.text))
             .all((!self.banner.how.is_empty()).then_some(how));
         let spec = element("span").class("spec").text(" · ").add(element("code").text(&self.spec));
         element("div")

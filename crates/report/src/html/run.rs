@@ -10,6 +10,7 @@ use crate::input::Invocation;
 use crate::markup::{Element, element};
 use crate::run::{RunReport, found_words};
 use crate::seen::Seen;
+use crate::sketch;
 use phisindy_learn::{RecordFit, Verdict};
 use phisindy_phys::spec::Role;
 
@@ -22,6 +23,7 @@ pub(crate) fn page(report: &RunReport<'_>, invocation: &Invocation) -> Page {
         next::add(&mut page, &next::after_rejection(why, input.name));
     }
     first_screen(&mut page, report, &seen);
+    page.sketch(sketch::of_run(report));
     let planned = report.planned.iter().map(|planned| sentence(&planned.sentence)).collect::<Vec<_>>();
     page.list("The planned run", &planned);
     add_warnings(&mut page, &report.warnings);

@@ -6,7 +6,7 @@ use crate::equation::{Equation, equations};
 use crate::html::friction::{force_unit, rate};
 use crate::input::{Ending, Input};
 use crate::next::Outcome as PlannedOutcome;
-use crate::seen::{Model, Seen};
+use crate::seen::{Model, Seen, Shown};
 use crate::table::short;
 use phisindy_learn::{Adapted, FoundTerm, Identified, RecordFit, Remainder};
 use phisindy_phys::spec::Role;
@@ -50,6 +50,11 @@ impl<'a> RunReport<'a> {
         }
         let fixed = fixed_values(input, found);
         RunReport { input, identified: found, equations, fixed, warnings, notes, planned: None, ending }
+    }
+
+    /// Each measured column beside what the model says of it.
+    pub fn shown(&self) -> Vec<Shown> {
+        self.seen().shown()
     }
 
     /// The records with the identified model.
