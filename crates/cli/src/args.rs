@@ -7,7 +7,7 @@ use clap::error::ErrorKind;
 use clap::parser::ValueSource;
 use clap::{CommandFactory, Parser, Subcommand, ValueEnum};
 use phisindy::files::{Assignment, Naming, Request};
-use phisindy_import::{Answers, CountUnit, Heading, Quantity};
+use phisindy_import::{Answers, CountUnit};
 use phisindy_phys::spec::Method;
 use phisindy_phys::unit::Unit;
 use phisindy_report::Look;
