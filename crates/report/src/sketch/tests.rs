@@ -95,15 +95,16 @@ fn the_longest_names_of_laws_find_room_wherever_they_act() {
     let mechanisms = MECHANISMS.iter().map(|(name, text, _)| (*name, read(&format!("({text}, data: [])"))));
     let all: Vec<(String, Scheme)> = mechanisms.map(|(name, scheme)| (name.to_owned(), scheme)).collect();
     for (name, mut scheme) in all.into_iter().chain(specs()) {
-        let words = || ["Dieterich-Ruina friction (steady state)", "A = 0.298 ± 0.008 N"].map(str::to_owned).to_vec();
+        let words =
+            || ["Dieterich-Ruina friction (steady state)", "A = 0.298 ± 0.008 N"].map(str::to_owned).to_vec();
         for part in &mut scheme.elements {
             (part.known, part.words) = (Known::Found, words());
         }
         for push in &mut scheme.pushes {
             (push.known, push.words) = (Known::Found, words().join(", "));
         }
-        for body in &mut scheme.bodies {
-            body.lit = words();
+        for body in scheme.bodies.iter_mut().filter(|b| !b.sensors.is_empty()) {
+            body.lit = ["Sensor offset", "offset = 1.23 ± 0.04 mm"].map(str::to_owned).to_vec();
         }
         for block in &mut scheme.blocks {
             (block.known, block.words) = (Known::Found, words().join(", "));
