@@ -63,7 +63,7 @@ def test_a_table_in_memory_gets_the_draft_of_its_file(table, tmp_path):
 
 
 def test_what_a_draft_has_to_know_can_be_said(table):
-    bare = {"a": table["t (s)"], "b": 1e3 * table["x (m)"], "c": table["F (N)"]}
+    bare = {"t (s)": table["t (s)"], "b": 1e3 * table["x (m)"], "c": table["F (N)"]}
     assert phisindy.new(bare).questions
     with pytest.raises(phisindy.DataError, match="--columns|columns"):
         phisindy.go(bare)

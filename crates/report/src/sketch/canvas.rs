@@ -79,10 +79,11 @@ impl Canvas {
 
     /// A part with its rods.
     pub(super) fn part(&mut self, kind: Kind, known: Known, along: Along) {
-        let (long, place): (f64, Box<dyn Fn((f64, f64)) -> (f64, f64)>) = match along {
-            Along::Right(x, y, long) => (long, Box::new(move |(a, b)| (x + a, y + b))),
-            Along::Down(x, y, long) => (long, Box::new(move |(a, b)| (x - b, y + a))),
+        let place = |(a, b): (f64, f64)| match along {
+            Along::Right(x, y, _) => (x + a, y + b),
+            Along::Down(x, y, _) => (x - b, y + a),
         };
+        let (Along::Right(.., long) | Along::Down(.., long)) = along;
         let path = |points: &[(f64, f64)]| {
             let one = |(k, p): (usize, &(f64, f64))| {
                 let (x, y) = place(*p);

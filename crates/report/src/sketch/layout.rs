@@ -63,8 +63,7 @@ pub(super) fn size(canvas: &Canvas) -> (f64, f64) {
 fn order(scheme: &Scheme) -> Vec<usize> {
     let n = scheme.bodies.len();
     let joined: Vec<(usize, usize)> = scheme.elements.iter().filter_map(pair).collect();
-    let held: Vec<usize> =
-        scheme.elements.iter().filter_map(|e| pair(e).is_none().then(|| body(e))).collect();
+    let held: Vec<usize> = scheme.elements.iter().filter(|e| pair(e).is_none()).map(body).collect();
     let cost = |order: &[usize]| {
         let place = |b: usize| order.iter().position(|&x| x == b).unwrap_or(0);
         let far = |&(a, b): &(usize, usize)| 10 * (place(a).abs_diff(place(b)) - 1);
@@ -149,10 +148,10 @@ fn mechanism(scheme: &Scheme, canvas: &mut Canvas) -> f64 {
             let below = Below::new(under.collect(), scheme.bodies[body].turns);
             let sensors = sensors(scheme, body);
             let of = &scheme.bodies[body];
-            let top = if sensors.is_empty() { 0.0 } else { 28.0 + width_of(&sensors) };
+            let top = if sensors.is_empty() { 0.0 } else { 28.0 + 1.08 * width_of(&sensors) };
             let inside =
                 (1.08 * width_of(&of.name)).max(width_of(&of.inertia)) + if of.turns { 30.0 } else { 20.0 };
-            let free = if of.turns { 1.6 } else { 1.0 };
+            let free = if of.turns { 1.7 } else { 1.0 };
             let wide = BODY.0.max(inside).max(free * (top + PORT * ports as f64 + 12.0)).max(below.least());
             Column { body, below, sensors, above, beside, before, wide, middle: 0.0 }
         })

@@ -61,6 +61,9 @@ pub(super) fn draw(
     (left, right): (&dyn Fn(f64) -> f64, &dyn Fn(f64) -> f64),
 ) {
     let mut y = top;
+    // Between the sides where they are nearest: that of a disc at the height of its middle.
+    let level = top + 0.5 * size(parts).1;
+    let middle = 0.5 * (left(level) + right(level));
     for group in groups(parts) {
         if let (End::Base(k), true) = (group[0].ends.0, wall != 0) {
             let edge = if wall < 0 { left(y) - 4.0 } else { right(y) + 4.0 };
@@ -75,7 +78,7 @@ pub(super) fn draw(
             let line = y + LINE * part.words.len() as f64 + HALF;
             let (from, to) = (left(line), right(line));
             let style = format!("label middle {}", class(part.known));
-            canvas.lines(&part.words, (0.5 * (from + to), y), &style);
+            canvas.lines(&part.words, (middle, y), &style);
             canvas.part(part.kind, part.known, Along::Right(from, line, to - from));
             y += high(part);
         }

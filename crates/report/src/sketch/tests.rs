@@ -91,6 +91,29 @@ fn nothing_overlaps_in_the_sketch_of_a_mechanism() {
 }
 
 #[test]
+fn the_longest_names_of_laws_find_room_wherever_they_act() {
+    let mechanisms = MECHANISMS.iter().map(|(name, text, _)| (*name, read(&format!("({text}, data: [])"))));
+    let all: Vec<(String, Scheme)> = mechanisms.map(|(name, scheme)| (name.to_owned(), scheme)).collect();
+    for (name, mut scheme) in all.into_iter().chain(specs()) {
+        let words =
+            || ["Dieterich-Ruina friction (steady state)", "A = 0.298 ± 0.008 N"].map(str::to_owned).to_vec();
+        for part in &mut scheme.elements {
+            (part.known, part.words) = (Known::Found, words());
+        }
+        for push in &mut scheme.pushes {
+            (push.known, push.words) = (Known::Found, words().join(", "));
+        }
+        for body in scheme.bodies.iter_mut().filter(|b| !b.sensors.is_empty()) {
+            body.lit = ["Sensor offset", "offset = 1.23 ± 0.04 mm"].map(str::to_owned).to_vec();
+        }
+        for block in &mut scheme.blocks {
+            (block.known, block.words) = (Known::Found, words().join(", "));
+        }
+        judge(&format!("{name}, lit"), &scheme);
+    }
+}
+
+#[test]
 fn a_sketch_has_the_parts_of_its_mechanism() {
     let mut wrong = vec![];
     for (name, text, expected) in MECHANISMS {
