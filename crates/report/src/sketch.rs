@@ -40,6 +40,9 @@ use phisindy_phys::spec::Spec;
 use read::Reading;
 use scheme::{Known, Scheme};
 
+/// The style sheet of sketches, beside that of charts.
+pub(crate) const STYLE: &str = include_str!("sketch/sketch.css");
+
 /// The sketch of a case as it is, as lines of a terminal; none where there is nothing to draw.
 pub fn sketch(spec: &Spec, case: &Case, look: Look) -> Vec<String> {
     text::lines(&of_case(spec, case), look)
@@ -75,7 +78,8 @@ fn chart(scheme: &Scheme) -> Option<(Chart, String)> {
     }
     let canvas = layout::drawn(scheme);
     let said = text::sentences(scheme);
-    let mut chart = Chart::new("model-sketch", "Sketch of the model", &said, layout::size(&canvas));
+    let chart = Chart::new("model-sketch", "Sketch of the model", &said, layout::size(&canvas));
+    let mut chart = chart.styled(STYLE);
     chart.draw(canvas.drawn);
     let lit = scheme.elements.iter().map(|e| e.known).chain(scheme.pushes.iter().map(|p| p.known));
     let lit = lit.chain(scheme.blocks.iter().map(|b| b.known));

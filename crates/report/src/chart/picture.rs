@@ -23,6 +23,8 @@ pub(crate) struct Chart {
     width: f64,
     height: f64,
     body: Vec<Element>,
+    /// Rules of its own beside [`STYLE`].
+    style: &'static str,
     /// Heights at which it may be cut.
     cuts: Vec<f64>,
 }
@@ -31,7 +33,12 @@ impl Chart {
     /// An empty picture.
     pub(crate) fn new(name: &str, title: &str, description: &str, (width, height): (f64, f64)) -> Chart {
         let [name, title, description] = [name, title, description].map(str::to_owned);
-        Chart { name, title, description, width, height, body: vec![], cuts: vec![] }
+        Chart { name, title, description, width, height, body: vec![], style: "", cuts: vec![] }
+    }
+
+    /// The same with rules of its own, which a page of it needs too.
+    pub(crate) fn styled(self, style: &'static str) -> Chart {
+        Chart { style, ..self }
     }
 
     /// Its width as it is drawn.
@@ -100,7 +107,7 @@ impl Chart {
             .with("xmlns", "http://www.w3.org/2000/svg")
             .add(element("title").text(&self.title))
             .add(element("desc").text(&self.description))
-            .add(element("style").raw(STYLE))
+            .add(element("style").raw(format!("{STYLE}{}", self.style)))
             .add(element("rect").class("paper").with("width", self.width).with("height", self.height))
             .all(self.body.iter().cloned());
         format!("{svg}\n")

@@ -4,6 +4,7 @@ use crate::chart::{self, Chart, Sheet};
 use crate::format::capital;
 use crate::input::Input;
 use crate::markup::{Element, element};
+use crate::sketch;
 use crate::tied::tied;
 
 const STYLE: &str = include_str!("style.css");
@@ -180,7 +181,7 @@ impl Page {
             .add(meta("color-scheme", "light dark"))
             .add(meta("generator", concat!("phisindy ", env!("CARGO_PKG_VERSION"))))
             .add(element("title").text(format!("{}: {}", self.title, self.banner.headline.to_lowercase())))
-            .add(element("style").raw(format!("{STYLE}{}", chart::STYLE)));
+            .add(element("style").raw(format!("{STYLE}{}{}", chart::STYLE, sketch::STYLE)));
         let sections: Vec<Element> = self.sections.iter().map(|s| s.element.clone()).collect();
         let (early, late) = sections.split_at(self.early);
         let first = self.first.iter().chain(late).cloned();

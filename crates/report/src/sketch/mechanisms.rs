@@ -179,7 +179,7 @@ pub(super) const MECHANISMS: [(&str, &str, &str); 25] = [
         states: { "x": "m", "th": "rad", "v": "m/s", "w": "rad/s" }, inputs: { "T": "N*m" },
         known: { "x": "v", "th": "w", "v": "0", "w": "T/J" }, inertia: { "v": "m", "w": "J" }, let: { "slip": "r*w - v" }, places: { "rail": "slip" },
         unknown: {}, contacts: ["slip"]"#,
-        "x, 50 kg: friction to th. th, 1.2 kg·m²: force T.",
+        "x, m = 50 kg: friction to th. th, J = 1.2 kg·m²: force T.",
     ),
 ];
 
