@@ -420,7 +420,7 @@ fn narrowed(seed: u64) -> [f64; 4] {
     [with_best / promised, with_same / again, with_best / with_same, with_sines / with_best]
 }
 
-/// The half-width of one record is itself a matter of chance where a contact sticks: the mean of several is what a promise is about.
+/// Where a contact sticks, one record is luckier than another. So the promise is held against the mean of several.
 #[test]
 fn a_number_is_narrowed_as_promised() {
     let records = setting("PHISINDY_SETS", 3);

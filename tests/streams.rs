@@ -106,9 +106,9 @@ fn each_stream_has_its_own_times() {
     assert_eq!(friction(&again), (found, error), "{}", again.err);
 }
 
-#[test]
-fn a_merged_file_has_two_streams() {
-    let mut dice = Dice::new(2);
+/// A log of two channels in one table: most rows have an empty cell.
+fn merged(seed: u64) -> String {
+    let mut dice = Dice::new(seed);
     let stamps = times(500.0, 12.0);
     let mut text = "t_s,F_N,x_m\n".to_owned();
     for (k, (t, x)) in stamps.iter().zip(places(&stamps)).enumerate() {
@@ -116,6 +116,12 @@ fn a_merged_file_has_two_streams() {
         let force = if k % 2 == 1 { push(*t).to_string() } else { String::new() };
         let _ = writeln!(text, "{t},{force},{x}");
     }
+    text
+}
+
+#[test]
+fn a_merged_file_has_two_streams() {
+    let text = merged(2);
     let record = "Csv(path: \"log.csv\", time: (\"t_s\", \"s\"), streams: { \"x\": (column: \"x_m\"), \"F\": (column: \"F_N\") })";
     let said = run("run", "streams-merged", record, &[("log.csv", &text)]);
     let (found, error) = friction(&said);
@@ -241,14 +247,7 @@ fn counts_that_begin_anew_are_an_angle() {
 
 #[test]
 fn a_draft_of_a_merged_log_has_streams() {
-    let mut dice = Dice::new(5);
-    let stamps = times(500.0, 12.0);
-    let mut text = "t_s,F_N,x_m\n".to_owned();
-    for (k, (t, x)) in stamps.iter().zip(places(&stamps)).enumerate() {
-        let x = if k % 16 == 3 { (x + 2e-5 * dice.normal()).to_string() } else { String::new() };
-        let force = if k % 2 == 1 { push(*t).to_string() } else { String::new() };
-        let _ = writeln!(text, "{t},{force},{x}");
-    }
+    let text = merged(5);
     let scratch = Scratch::new("streams-draft");
     let (data, draft) = (scratch.path("log.csv"), scratch.path("case.ron"));
     fs::write(&data, &text).expect("a file");

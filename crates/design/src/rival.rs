@@ -37,8 +37,8 @@ pub struct Rival {
 }
 
 impl Rival {
-    /// The rival of these results of a fit. `noise` is that of each measured column: places and speeds at the start are known as it
-    /// lets a few samples show them.
+    /// The rival of these results of a fit. `noise` is that of each measured column, and says how
+    /// well a few samples show the start.
     pub fn new(
         (name, probability): (String, f64),
         systems: Vec<System>,

@@ -54,7 +54,7 @@ pub enum Site {
         acts: Vec<(usize, f64)>,
         /// How the force enters at each of these states where that is no number; empty elsewhere.
         enters: Vec<Entry>,
-        /// Units of what acts there and of what it depends on, where these are not those of a force on a body and its speed.
+        /// Unit of what acts there, then of what it depends on. `None`: a force on a body, and its speed.
         units: Option<[Dimension; 2]>,
         /// Outputs that the force enters, with sign: what a force cell under prescribed motion reads.
         shows: Vec<(usize, f64)>,
@@ -274,7 +274,8 @@ impl Rates for Nodes<'_> {
 /// assert_eq!(all.iter().map(|place| place.at.as_str()).collect::<Vec<_>>(), ["v1", "v2", "v1-v2", "x1"]);
 /// ```
 pub fn places(system: &mut System, plans: &[RecordPlan]) -> Vec<Place> {
-    if system.coupling.is_empty() {
+    // Energies say it themselves.
+    if system.coupling.is_empty() && system.momenta.is_empty() {
         let mut graph = std::mem::take(&mut system.graph);
         system.coupling = coupling::shown_by_inputs(system, &mut graph);
         system.graph = graph;
