@@ -39,7 +39,7 @@ pub(crate) fn alternative_constant(
         .into_iter()
         .filter_map(|c| base.with(&c).ok().map(|free| (c, free.into_base())))
         .collect();
-    let price = (last.cal.samples as f64).ln();
+    let price = last.score.occam.of_coefficient(last.score.part(last.score.independent()));
     let mut fitted = lowest_cost(last, &constants, &fewer, price, noise);
     let chosen = |fitted: &[(&Effect, Fitted)], strict: bool| -> Option<(f64, usize)> {
         let by = Measure::of(fitted.iter().map(|(_, f)| &f.score).chain([&last.score]), candidates);

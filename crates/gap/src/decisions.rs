@@ -185,6 +185,8 @@ decisions! {
     STARTS_WITH_MEMORY: usize = 3, "starts", BLIND;
     // Scores.
 
+    /// The logarithm of a number inside a law is uniform over a range of at most this factor.
+    INNER_RANGE: f64 = 1e3, "factor", Basis::Convention("from what a record resolves to its motion, three decades; the price changes with the logarithm of the logarithm");
     /// A larger rise of chi square is not chance.
     CHOW: f64 = 5.0, "standard deviations", Basis::Convention("five sigma of chi square, mean n and variance 2 n");
     /// A model that explains a record has a smaller gap.

@@ -117,11 +117,17 @@ impl<'s, 'a> Ending<'s, 'a> {
         let status = match status {
             Status::Explained if steps.iter().any(unlikely) => Status::Undetermined,
             Status::Described if none.is_some_and(|p| p > 0.5) => Status::Undetermined,
+            // What another drawing of the inputs could do is no excuse for a force that it cannot make.
+            Status::Explained if open > 0.0 && none.is_some_and(|p| p > 0.5) => {
+                if substantial(&steps) == steps.len() { Status::Named } else { Status::Undetermined }
+            }
             other => other,
         };
         // What was stopped was not compared with all that could do as well.
         let status = match status {
-            Status::Explained | Status::Described if self.interrupted() => Status::Undetermined,
+            Status::Explained | Status::Described | Status::Named if self.interrupted() => {
+                Status::Undetermined
+            }
             other => other,
         };
         let (mut steps, mut partial) =
@@ -424,19 +430,22 @@ fn needless(before: &Fitted, last: &Fitted, candidates: usize) -> bool {
         && (before.score.is_white() || !last.score.is_white())
 }
 
-/// Splits the steps into those that reduced the gap substantially, which are a finding whatever else is
-/// missing, and the others. Products of factors are compared, because the first of two stops helps little
-/// without the second.
+/// Splits the steps into those that are a finding whatever else is missing, and the others.
 fn split_substantial(mut steps: Vec<Step>) -> (Vec<Step>, Vec<Step>) {
+    let partial = steps.split_off(substantial(&steps));
+    (steps, partial)
+}
+
+/// The number of steps that reduced the gap substantially. Products of factors are compared, because the first of two
+/// stops helps little without the second.
+fn substantial(steps: &[Step]) -> usize {
     let gap = |s: &Step| s.validate.unwrap_or(s.fit);
     let first = steps.first().map_or(1.0, |s| gap(s).0);
     let far_down = |&k: &usize| {
         let (before, after) = gap(&steps[k - 1]);
         first > SUBSTANTIAL.powi(k as i32) * after && before > SUBSTANTIAL * after
     };
-    let kept = (1..=steps.len()).rev().find(far_down).unwrap_or(0);
-    let partial = steps.split_off(kept);
-    (steps, partial)
+    (1..=steps.len()).rev().find(far_down).unwrap_or(0)
 }
 
 /// Noise (standard deviation) of each measured column, over all records.

@@ -5,9 +5,9 @@
 use crate::decisions::SIMPLER;
 use crate::model::{Fitted, Measure, TrialModel, current};
 use crate::result::CoarseInput;
-use phisindy_learn::{Effort, predicted};
+use phisindy_learn::{Effort, RecordFit, predicted};
+use phisindy_phys::Record;
 use phisindy_phys::spec::Role;
-use phisindy_phys::{Record, System};
 use phisindy_signal::{Interpolation, Signal};
 use rayon::prelude::*;
 use std::cell::OnceCell;
@@ -107,12 +107,7 @@ impl<'a> Drawing<'a> {
     /// `None` if no input is drawn between samples, or is held: that is what a controller puts out.
     fn open(&self) -> Option<f64> {
         let moved = || {
-            let other = match drawn(&self.base.model)? {
-                Interpolation::Hold => return None,
-                Interpolation::Linear => Interpolation::Cubic,
-                Interpolation::Cubic => Interpolation::Linear,
-            };
-            let model = with_inputs(&self.base.settled(), other)?;
+            let model = with_inputs(&self.base.settled(), other_drawing(&self.base.model)?)?;
             let with_its_numbers = moved(self.base, &model, self.noise)?;
             let redrawn = Fitted::new(model, self.noise, Effort::Thorough).ok()?;
             // A fit that ends in another minimum moves the model too, and no drawing did that.
@@ -126,18 +121,37 @@ impl<'a> Drawing<'a> {
 /// the mean square in units of the noise.
 fn moved(base: &Fitted, other: &TrialModel, noise: &[Vec<f64>]) -> Option<f64> {
     let (mut sum, mut count) = (0.0, 0usize);
-    let records = base.model.records.iter().zip(other.records.iter()).zip(&base.cal.records).zip(noise);
-    for (((own, other), fit), noise) in records.filter(|((_, fit), _)| fit.role == Role::Fit) {
-        let run = |system: &System, record: &Record| predicted(system, record, &fit.start, &[]).ok();
-        let settled = base.settled();
-        let (a, b) = (run(&settled.system, own)?, run(&settled.system, other)?);
-        let measured = own.columns.iter().zip(a.iter().zip(&b)).filter(|(column, _)| column.is_some());
-        for ((_, (a, b)), noise) in measured.zip(noise) {
-            sum += a.iter().zip(b).map(|(a, b)| ((a - b) / noise).powi(2)).sum::<f64>();
-            count += a.len();
+    let records = base.cal.records.iter().zip(noise).filter(|(fit, _)| fit.role == Role::Fit);
+    for (changes, (_, noise)) in changes(base, other)?.iter().zip(records) {
+        for (changes, noise) in changes.iter().filter(|c| !c.is_empty()).zip(noise) {
+            sum += changes.iter().map(|d| (d / noise).powi(2)).sum::<f64>();
+            count += changes.len();
         }
     }
     Some(sum / count.max(1) as f64)
+}
+
+/// How the runs of the Fit records move if their inputs are drawn in another way, by record and measured column. `None`
+/// where no input is drawn between its samples.
+pub(crate) fn redrawn_runs(of: &Fitted) -> Option<Vec<Vec<Vec<f64>>>> {
+    changes(of, &with_inputs(&of.settled(), other_drawing(&of.model)?)?)
+}
+
+/// How the runs of the Fit records move if the records are those of another model, by record and column; empty where a
+/// column is not measured.
+fn changes(base: &Fitted, other: &TrialModel) -> Option<Vec<Vec<Vec<f64>>>> {
+    let settled = base.settled();
+    let records = base.model.records.iter().zip(other.records.iter()).zip(&base.cal.records);
+    let of = |((own, other), fit): ((&Record, &Record), &RecordFit)| {
+        let run = |record: &Record| predicted(&settled.system, record, &fit.start, &[]).ok();
+        let columns = own.columns.iter().zip(run(own)?.into_iter().zip(run(other)?));
+        let change = |(column, (a, b)): (&Option<_>, (Vec<f64>, Vec<f64>))| match column {
+            Some(_) => a.iter().zip(&b).map(|(a, b)| a - b).collect(),
+            None => vec![],
+        };
+        Some(columns.map(change).collect())
+    };
+    records.filter(|(_, fit)| fit.role == Role::Fit).map(of).collect()
 }
 
 /// What a model leaves beyond the noise, on Fit or Validate records, whichever is more: the mean square in
@@ -145,6 +159,16 @@ fn moved(base: &Fitted, other: &TrialModel, noise: &[Vec<f64>]) -> Option<f64> {
 /// residual of a least-squares fit is orthogonal to what the fit moves.
 pub(crate) fn beyond_noise(of: &Fitted) -> f64 {
     (of.score.gap().max(of.score.fit).powi(2) - 1.0).max(0.0)
+}
+
+/// The other smooth way to draw the inputs; `None` where they are not drawn between samples, or are held: that is what a
+/// controller puts out.
+fn other_drawing(model: &TrialModel) -> Option<Interpolation> {
+    match drawn(model)? {
+        Interpolation::Hold => None,
+        Interpolation::Linear => Some(Interpolation::Cubic),
+        Interpolation::Cubic => Some(Interpolation::Linear),
+    }
 }
 
 /// How the inputs of the Fit records are drawn; `None` where they are not drawn from samples, or not all in

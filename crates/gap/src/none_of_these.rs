@@ -11,6 +11,7 @@
 //! that is right pays the process nothing, and one that is only near to what is there loses to it.
 
 use crate::decisions::{NONE_BUMPS, NONE_SIZES};
+use crate::input_interpolation::redrawn_runs;
 use crate::model::Fitted;
 use crate::place::{Place, Site};
 use crate::screen::{Kinematics, PartialRegression, Target, dot};
@@ -18,7 +19,7 @@ use faer::{Mat, Side};
 use phisindy_phys::spec::Role;
 
 /// The probability that the missing force is none of the laws of a model; `None` where it has no force, or the
-/// records show none.
+/// records show none. What another drawing of the inputs between their samples does to the runs is no force.
 pub(crate) fn probability(last: &Fitted, noise: &[Vec<f64>]) -> Option<f64> {
     let mut places: Vec<&Place> = vec![];
     for place in last.model.effects.iter().map(|a| &a.effect.place) {
@@ -29,7 +30,10 @@ pub(crate) fn probability(last: &Fitted, noise: &[Vec<f64>]) -> Option<f64> {
     let noise = last.noise(noise);
     // The residuals themselves: a run that is summed up anew from its samples errs where it stops.
     let target = Target::OfFit(&last.cal);
-    let regression = PartialRegression::new(&last.model, &last.cal, Some(&last.cal), &noise, target)?;
+    let mut regression = PartialRegression::new(&last.model, &last.cal, Some(&last.cal), &noise, target)?;
+    if let Some(changes) = redrawn_runs(last) {
+        regression.set_aside(&changes);
+    }
     let odds: Vec<f64> = places.into_iter().flat_map(|place| at(last, &regression, place)).collect();
     let mean = odds.iter().sum::<f64>() / odds.len() as f64;
     (!odds.is_empty() && !mean.is_nan()).then(|| if mean.is_finite() { mean / (1.0 + mean) } else { 1.0 })

@@ -44,6 +44,8 @@ pub enum Status {
     Explained,
     /// It does so with a formula that was found in the data, which is in no catalogue.
     Described,
+    /// Effects were found that bring the gap down by far, and a force in another form is left beside them.
+    Named,
     /// Effects were found that leave only noise, and others do as well: which ones it is, is not determined.
     Undetermined,
     /// Something is missing that no law of the catalogue and no formula explains.
@@ -57,6 +59,7 @@ impl Status {
             Status::NothingMissing => "nothing-missing",
             Status::Explained => "explained",
             Status::Described => "described",
+            Status::Named => "named",
             Status::Undetermined => "undetermined",
             Status::Unexplained => "unexplained",
         }
@@ -139,9 +142,8 @@ pub struct Step {
     pub validate: Option<(f64, f64)>,
     /// Decrease of the criterion.
     pub delta_bic: f64,
-    /// The probability of the law among it and its rivals, all equally likely beforehand (G. Schwarz 1978,
-    /// doi
-    /// 10.1214/aos/1176344136); `None` where the model does not explain the records: then none of them may be right.
+    /// The probability of the law among it and its rivals: half the difference of the score is the logarithm of a ratio of
+    /// evidences (`docs/method.md`, section 10). `None` where the model does not explain the records.
     pub probability: Option<f64>,
     /// Models that are nearly as good.
     pub rivals: Vec<Rival>,

@@ -570,7 +570,7 @@ impl Search<'_> {
                 }
                 let (cost, part) = (w.cost(), part(&w.model));
                 // A law that loses is shown with what it leaves, a pair is not.
-                let effort = beside_leader.map_or(Effort::Plain, |b| beside(b, &w.model, leader.is_none()));
+                let effort = beside_leader.map_or(Effort::Plain, |b| beside(b, leader.is_none()));
                 let fitted = Fitted::from(w.model, w.segments.as_ref(), self.noise, effort).ok();
                 self.observer.tell(part, tally.one_more(fitted.as_ref()));
                 Some((cost, fitted?))
@@ -651,10 +651,10 @@ impl Waiting {
 }
 
 /// How hard to fit a rival of a fitted model. Segments leave no more than a single run, so one that
-/// leaves more there than the leader in its runs, by more than its parameters are cheaper, loses.
-fn beside(leader: &Fitted, rival: &TrialModel, runs: bool) -> Effort {
+/// leaves more there than the leader in its runs, by more than the parameters of that one cost, loses.
+fn beside(leader: &Fitted, runs: bool) -> Effort {
     let samples = leader.cal.samples as f64;
-    let cheaper = leader.score.parameters.saturating_sub(rival.size()) as f64 * samples.ln();
+    let cheaper = leader.score.occam.price(1.0);
     let left = leader.score.fit.powi(2);
     Effort::Rival { most: left * (SEGMENTS_END + (WORTH + cheaper) / samples), runs }
 }
@@ -756,32 +756,54 @@ pub(crate) fn round_from(
     let fitted = fitted_alone(now, all.iter().chain([chosen]), candidates);
     let own = label(&chosen.model, 0);
     let by = Measure::of(all.iter().chain([chosen]).map(|f| &f.score), candidates);
-    let in_order = |mut laws: Vec<PlacedLaw>| {
-        laws.sort();
-        laws
-    };
-    let answer = in_order(placed(&chosen.model));
-    let mut rivals: Vec<Rival> = all
+    // A law and the two whose sum it is are one force.
+    let answer = forces(&chosen.model);
+    let mut rivals: Vec<(Vec<(&str, &str)>, Rival)> = all
         .iter()
-        .filter(|f| in_order(placed(&f.model)) != answer && f.model.effects.len() > before)
-        .map(|f| Rival {
-            laws: label(&f.model, before),
-            delta_bic: by.criterion(&f.score) - by.criterion(&chosen.score),
-            behind: f64::INFINITY,
-            completed: None,
-            model: Some(Box::new(f.model.starting_at(&f.estimates(|p| !p.each)))),
+        .map(|f| (forces(&f.model), f))
+        .filter(|(forces, f)| *forces != answer && f.model.effects.len() > before)
+        .map(|(forces, f)| {
+            let rival = Rival {
+                laws: label(&f.model, before),
+                delta_bic: by.criterion(&f.score) - by.criterion(&chosen.score),
+                behind: f64::INFINITY,
+                completed: None,
+                model: Some(Box::new(f.model.starting_at(&f.estimates(|p| !p.each)))),
+            };
+            (forces, rival)
         })
         .collect();
+    rivals.sort_by(|a, b| a.1.delta_bic.total_cmp(&b.1.delta_bic));
+    let mut told: Vec<Vec<(&str, &str)>> = Vec::new();
+    rivals.retain(|(forces, _)| {
+        let new = !told.contains(forces);
+        told.push(forces.clone());
+        new
+    });
+    let mut rivals: Vec<Rival> = rivals.into_iter().map(|(_, rival)| rival).collect();
     // From a worse start a vetoed law may fit with parameters that pass the evidence; it stays ruled out.
     let out = |r: &Rival| matches!(&r.laws[..], [one] if vetoed.iter().any(|v| v.law.law == one.law));
     rivals.retain(|r| r.delta_bic.is_finite() && !out(r));
-    rivals.sort_by(|a, b| a.delta_bic.total_cmp(&b.delta_bic));
-    rivals.dedup_by(|a, b| a.laws == b.laws);
     rivals.truncate(RIVALS);
     // A law of the chosen model may be ruled out at another place; that is not reported.
     let chosen_law = |law: &str| own.iter().any(|chosen| chosen.law == law);
     let vetoed = vetoed.into_iter().filter(|v| !chosen_law(&v.law.law)).collect();
     Round { before, rivals, vetoed, fitted }
+}
+
+/// The effects of a model by law and place, in order; a law that is the sum of two others as these.
+fn forces(model: &TrialModel) -> Vec<(&str, &str)> {
+    let mut all = Vec::new();
+    for Effect { entry, place, .. } in model.effects.iter().map(|a| &a.effect) {
+        let parts = if entry.law.same_as.len() == 2 {
+            entry.law.same_as.as_slice()
+        } else {
+            std::slice::from_ref(&entry.id)
+        };
+        all.extend(parts.iter().map(|id| (id.as_str(), place.at.as_str())));
+    }
+    all.sort_unstable();
+    all
 }
 
 /// The models with one effect more than `now`: law and place, the gap that is left, the gain of the

@@ -361,7 +361,7 @@ class Gap(_Result):
 
     @property
     def status(self) -> str:
-        """``explained``, ``described``, ``nothing-missing`` or ``unexplained``."""
+        """``explained``, ``described``, ``named``, ``nothing-missing``, ``undetermined`` or ``unexplained``."""
         return str(self._dict["status"])
 
     @property

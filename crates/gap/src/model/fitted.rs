@@ -2,6 +2,7 @@
 
 use super::error::ModelError;
 use super::input_error::{ColumnError, input_errors};
+use super::prior::OccamFactor;
 use super::score::Score;
 use super::trial_model::TrialModel;
 use crate::decisions::{CHOW, LITTLE_LEFT, NOT_WHITE, RESTS, STANDS_STILL};
@@ -44,13 +45,16 @@ impl Fitted {
 
     /// Calibrates a model from where the fit over its segments ended.
     pub(crate) fn from(
-        model: TrialModel,
+        mut model: TrialModel,
         segments: Option<&SegmentFit>,
         noise: &[Vec<f64>],
         effort: Effort,
     ) -> Result<Fitted, ModelError> {
         let TrialModel { system, records, smooth, stop, .. } = &model;
         let cal = calibrate_from(segments, system, records, smooth, noise, effort, stop)?;
+        if model.effects.is_empty() && cal.chi2.is_finite() {
+            model.missed = model.missed.max(cal.chi2);
+        }
         let (fit, validate) = gaps(&cal, noise);
         let whiteness = whiteness(&cal, &model.records, |_| true);
         let effects = || model.effects.iter().map(|a| &a.effect);
@@ -67,6 +71,7 @@ impl Fitted {
             effective: cal.effective,
             effects: model.effects.len(),
             parameters: model.size(),
+            occam: OccamFactor::of(&model, &cal),
             sensors: effects().filter(|e| e.entry.law.sensor.is_some()).count(),
             inputs: effects().filter(|e| e.entry.law.input.is_some()).count(),
             early: 0,

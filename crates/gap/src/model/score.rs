@@ -1,5 +1,6 @@
 //! The score of a fitted model: all numbers that the search and its end decide on.
 
+use super::prior::OccamFactor;
 use crate::decisions::{
     CHANCE, EARLY_PRICE, EXPLAINED, FAR_OFF, INDEPENDENT, INPUT_PRICE, NOT_WHITE, SENSOR_PRICE,
 };
@@ -26,6 +27,8 @@ pub(crate) struct Score {
     pub(crate) effects: usize,
     /// Parameters of all effects.
     pub(crate) parameters: usize,
+    /// What these cost.
+    pub(crate) occam: OccamFactor,
     /// Number of effects that are properties of sensors.
     pub(crate) sensors: usize,
     /// Number of effects that are properties of inputs.
@@ -76,13 +79,18 @@ impl Score {
             _ => self.fit.powi(2),
         };
         let cost = if ratio > 1.0 { n * (1.0 + ratio.ln()) } else { n * ratio };
-        let price = self.parameters as f64 * (n * independent).max(2.0).ln();
+        let price = self.occam.price(self.part(independent));
         // A late sensor is plausible, an early one is not. In an autonomous motion the two are
         // indistinguishable.
         let odd = SENSOR_PRICE * self.sensors as f64
             + INPUT_PRICE * self.inputs as f64
             + EARLY_PRICE * self.early as f64;
         cost * independent + price + 2.0 * ln_choose(candidates, self.effects) + odd
+    }
+
+    /// What counts of the samples in units of the noise: above the noise level the misfit itself sets the scatter.
+    pub(crate) fn part(&self, independent: f64) -> f64 {
+        independent / self.fit.powi(2).max(1.0)
     }
 
     /// The fraction of samples that counts as independent.
@@ -139,6 +147,7 @@ pub(crate) mod tests {
             effective: 1000.0,
             effects,
             parameters: effects,
+            occam: OccamFactor::new(effects, 1000.0),
             sensors: 0,
             inputs: 0,
             early: 0,
@@ -158,7 +167,7 @@ pub(crate) mod tests {
     fn the_criterion_prices_what_was_added() {
         let plain = score(1.0, None, 1);
         let dearer = [
-            Score { parameters: 2, ..plain.clone() },
+            Score { parameters: 2, occam: OccamFactor::new(2, 1000.0), ..plain.clone() },
             Score { sensors: 1, ..plain.clone() },
             Score { fit: 1.1, ..plain.clone() },
             Score { effects: 2, ..plain.clone() },
@@ -166,15 +175,12 @@ pub(crate) mod tests {
         for other in dearer {
             assert!(other.criterion(30, 1.0) > plain.criterion(30, 1.0), "{other:?}");
         }
-        // BIC's price of one parameter on a thousand samples, and the choice of one among thirty.
+        // BIC's price of one parameter on a thousand samples, the half of Jeffreys, and the choice of one among thirty.
         let none = score(1.0, None, 0);
         let price = plain.criterion(30, 1.0) - none.criterion(30, 1.0);
-        assert!((price - 1000_f64.ln() - 2.0 * 30_f64.ln()).abs() < 1e-9, "{price}");
+        assert!((price - 4000_f64.ln() - 2.0 * 30_f64.ln()).abs() < 1e-9, "{price}");
         // Far from the noise Validate records count.
-        let far = |validate| score(9.0, Some(validate), 1).criterion(30, 1.0);
-        assert!(
-            far(8.0) < far(10.0)
-                && far(10.0) == Score { fit: 5.0, ..score(9.0, Some(10.0), 1) }.criterion(30, 1.0)
-        );
+        let far = |fit, validate| score(fit, Some(validate), 0).criterion(30, 1.0);
+        assert!(far(9.0, 8.0) < far(9.0, 10.0) && far(9.0, 10.0) == far(5.0, 10.0));
     }
 }

@@ -55,6 +55,8 @@ pub struct TrialModel {
     /// The effects that were added, in their order.
     pub effects: Vec<Applied>,
     pub(crate) given: Arc<Given>,
+    /// The chi square that the model without effects leaves; 0 where it was not fitted.
+    pub(crate) missed: f64,
     /// Ends fits where they are.
     pub(crate) stop: Stop,
     /// The model without any effect; `None` if this is it.
@@ -100,6 +102,7 @@ impl TrialModel {
             smooth: Arc::new(smooth),
             effects: vec![],
             given: Arc::new(Given { spec, plans, places, forces, takes_units }),
+            missed: 0.0,
             stop: Stop::default(),
             base: None,
         }
@@ -117,7 +120,11 @@ impl TrialModel {
             records.iter().zip(&case.records).map(with).collect()
         };
         let (records, smooth) = (seen(&base.records), seen(&base.smooth));
-        Some(TrialModel { stop: base.stop, ..TrialModel::of(spec, case, records, smooth) })
+        Some(TrialModel {
+            missed: base.missed,
+            stop: base.stop,
+            ..TrialModel::of(spec, case, records, smooth)
+        })
     }
 
     /// The same model on other records, e.g. shortened ones.

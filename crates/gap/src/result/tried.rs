@@ -16,8 +16,8 @@ pub struct Tried {
     pub score: f64,
     /// The gap that its fit leaves; `None` where others did so much better that it was not fitted.
     pub gap: Option<f64>,
-    /// The probability of the law among those that explain the records by themselves, all equally likely
-    /// beforehand (G. Schwarz 1978, doi 10.1214/aos/1176344136); `None` for a law that does not.
+    /// The probability of the law among those that explain the records by themselves; each of its numbers halves what it
+    /// had beforehand (Wrinch and Jeffreys 1921, doi 10.1080/14786442108633773). `None` for a law that does not.
     pub probability: Option<f64>,
     /// The evidence that rules it out.
     pub vetoed: Option<Veto>,

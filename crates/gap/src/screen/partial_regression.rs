@@ -116,6 +116,14 @@ impl PartialRegression {
         Some(regression)
     }
 
+    /// Takes out of the target what lies along changes of the residuals, by Fit record and column.
+    pub(crate) fn set_aside(&mut self, changes: &[Vec<Vec<f64>>]) {
+        let rows: Vec<f64> = self.data.iter().zip(changes).flat_map(|(data, of)| data.weighted(of)).collect();
+        self.add_free(&rows);
+        let target = std::mem::take(&mut self.target);
+        self.target = self.projected(target).rows;
+    }
+
     /// Adds a free column to the basis.
     fn add_free(&mut self, column: &[f64]) {
         let column = self.averaged(column);

@@ -11,7 +11,7 @@ use crate::result::error::ModelError;
 use crate::result::estimate::Estimate;
 use crate::result::parameter::FoundParameter;
 use crate::result::record_fit::RecordFit;
-use crate::trajectory::error_bars::ErrorBars;
+use crate::trajectory::error_bars::{ErrorBars, of_curvature};
 use crate::trajectory::fit::{Fit, transfer};
 use crate::trajectory::free_run::free_runs;
 use crate::trajectory::layout::Segment;
@@ -37,6 +37,9 @@ pub struct Calibration {
     pub moved: usize,
     /// Their values, with intervals for [`Effort::Errors`].
     pub parameters: Vec<FoundParameter>,
+    /// Their covariance where the noise is what was given: the inverse of the curvature of the cost, start states
+    /// eliminated; infinite on the diagonal for what the records do not see.
+    pub curvature: Vec<Vec<f64>>,
     /// Free runs of all records from their fitted starts.
     pub records: Vec<RecordFit>,
     /// Segments of the record that has most: 1 unless no single run can be simulated.
@@ -116,7 +119,8 @@ pub fn calibrate_from(
         let bounds = &fit.problem.bounds;
         unknowns.parameters(|k| Estimate { value: fit.x[k], std_error: f64::NAN, ci95: bounds[k] })
     };
-    let parameters: Vec<FoundParameter> = moved.into_iter().map(|(_, p)| p).collect();
+    let (places, parameters): (Vec<usize>, Vec<FoundParameter>) = moved.into_iter().unzip();
+    let curvature = of_curvature(&fit, &places);
     let replays = free_runs(system, records, smooth, &mut unknowns.solution());
     Ok(Calibration {
         chi2,
@@ -124,6 +128,7 @@ pub fn calibrate_from(
         effective: fit.effective,
         moved: parameters.len(),
         parameters,
+        curvature,
         records: replays,
         segments: fit.most_pieces(),
         hopeless,

@@ -68,22 +68,11 @@ impl<'a> ErrorBars<'a> {
 /// whose blocks are left infinite. The start states are eliminated: `S = A_nn - A_ns A_ss^-1 A_sn` is the
 /// curvature of the numbers `n` (Schur's complement). `None` for few unknowns.
 fn of_numbers(fit: &Fit<'_>) -> Option<(Mat<f64>, Mat<f64>)> {
-    let (all, meanings) = (fit.x.len(), fit.problem.meanings());
+    let all = fit.x.len();
     if all <= DENSE || fit.most_pieces() == 1 {
         return None;
     }
-    let (starts, numbers): (Vec<usize>, Vec<usize>) = (0..all).partition(|&k| meanings[k] == Meaning::Start);
-    let a = &fit.normal.matrix;
-    let inner = Mat::from_fn(starts.len(), starts.len(), |i, j| a[(starts[i], starts[j])]);
-    let column = |&k: &usize| {
-        let right: Vec<f64> = starts.iter().map(|&s| a[(s, k)]).collect();
-        solve_damped(&inner, &right, 0.0)
-    };
-    let eliminated: Vec<Vec<f64>> = numbers.iter().map(column).collect::<Option<_>>()?;
-    let schur = Mat::from_fn(numbers.len(), numbers.len(), |i, j| {
-        let through: f64 = starts.iter().zip(&eliminated[j]).map(|(&s, z)| a[(numbers[i], s)] * z).sum();
-        a[(numbers[i], numbers[j])] - through
-    });
+    let Eliminated { starts, numbers, solved: eliminated, schur } = without_starts(fit)?;
     let bread = covariance(&schur);
     let seen: Vec<usize> = (0..numbers.len()).filter(|&k| bread[(k, k)].is_finite()).collect();
     // A^-1 for the numbers that are seen, one column for each.
@@ -107,6 +96,47 @@ fn of_numbers(fit: &Fit<'_>) -> Option<(Mat<f64>, Mat<f64>)> {
         }
     }
     Some((sandwich, curvature))
+}
+
+/// The numbers of a fit with the start states eliminated.
+struct Eliminated {
+    starts: Vec<usize>,
+    numbers: Vec<usize>,
+    /// `A_ss^-1 A_sn`, by number.
+    solved: Vec<Vec<f64>>,
+    schur: Mat<f64>,
+}
+
+/// Eliminates the start states; `None` where the records do not see one.
+fn without_starts(fit: &Fit<'_>) -> Option<Eliminated> {
+    let meanings = fit.problem.meanings();
+    let (starts, numbers): (Vec<usize>, Vec<usize>) =
+        (0..fit.x.len()).partition(|&k| meanings[k] == Meaning::Start);
+    let a = &fit.normal.matrix;
+    let inner = Mat::from_fn(starts.len(), starts.len(), |i, j| a[(starts[i], starts[j])]);
+    let column = |&k: &usize| {
+        let right: Vec<f64> = starts.iter().map(|&s| a[(s, k)]).collect();
+        solve_damped(&inner, &right, 0.0)
+    };
+    let solved: Vec<Vec<f64>> = numbers.iter().map(column).collect::<Option<_>>()?;
+    let schur = Mat::from_fn(numbers.len(), numbers.len(), |i, j| {
+        let through: f64 = starts.iter().zip(&solved[j]).map(|(&s, z)| a[(numbers[i], s)] * z).sum();
+        a[(numbers[i], numbers[j])] - through
+    });
+    Some(Eliminated { starts, numbers, solved, schur })
+}
+
+/// The inverse of the curvature of the cost for some unknowns that are no start states; infinite on the diagonal for what
+/// the records do not see.
+pub(crate) fn of_curvature(fit: &Fit<'_>, unknowns: &[usize]) -> Vec<Vec<f64>> {
+    let whole = || ((0..fit.x.len()).collect(), covariance(&fit.normal.matrix));
+    let (of, inverse) = if fit.x.len() <= DENSE {
+        whole()
+    } else {
+        without_starts(fit).map_or_else(whole, |e| (e.numbers, covariance(&e.schur)))
+    };
+    let places: Vec<usize> = unknowns.iter().filter_map(|k| of.iter().position(|own| own == k)).collect();
+    places.iter().map(|&i| places.iter().map(|&j| inverse[(i, j)]).collect()).collect()
 }
 
 /// The sandwich `A^-1 B A^-1`: curvature `A` of the cost, scatter `B` of its gradient, by the residuals that

@@ -49,7 +49,7 @@ pub(crate) fn finding(found: &Gap) -> Finding {
         Status::NothingMissing => {
             Finding { headline: "Nothing missing", sentence: capital(&outcome(found)) + "." }
         }
-        Status::Explained | Status::Described | Status::Undetermined => {
+        Status::Explained | Status::Described | Status::Named | Status::Undetermined => {
             let sentence = format!(
                 "{} {} {fall} of the gap {which} ({} → {} times the noise); {}.",
                 capital(&joined(&all)),
@@ -61,6 +61,7 @@ pub(crate) fn finding(found: &Gap) -> Finding {
             let least = found.steps.iter().filter_map(|s| s.probability).fold(1.0, f64::min);
             match found.status {
                 Status::Described => Finding { headline: "Described by a formula", sentence },
+                Status::Named => Finding { headline: "Named, a force is left", sentence },
                 Status::Undetermined => Finding {
                     headline: "Undetermined",
                     sentence: format!(
@@ -97,7 +98,9 @@ fn alternative(other: &Alternative) -> String {
 
 /// What is left where the gap is explained.
 fn rest(found: &Gap, after: f64) -> &'static str {
-    if after <= NOISE {
+    if found.status == Status::Named {
+        "a force in another form is left beside it"
+    } else if after <= NOISE {
         "the rest is noise"
     } else if !sensitivity(found).is_empty() {
         "the rest is within the error bars of the numbers"

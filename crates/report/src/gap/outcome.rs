@@ -28,6 +28,12 @@ pub(crate) fn outcome(found: &Gap) -> String {
             short(before),
             short(last)
         ),
+        Status::Named => format!(
+            "the gap {} went from {} to {}, and a force in another form is left",
+            basis(found),
+            short(before),
+            short(last)
+        ),
         Status::Explained | Status::Described | Status::Undetermined => {
             let why = match sensitivity(found) {
                 words if !words.is_empty() => words,

@@ -105,7 +105,7 @@ fn effects(page: &mut Page, found: &Gap, catalogue: &[LawEntry], balances: &[Opt
 
 fn banner(found: &Gap, how: Ending) -> Banner {
     let tone = match found.status {
-        Status::NothingMissing | Status::Explained | Status::Described => Tone::Good,
+        Status::NothingMissing | Status::Explained | Status::Described | Status::Named => Tone::Good,
         Status::Undetermined | Status::Unexplained => Tone::Open,
     };
     let stopped = how
