@@ -95,6 +95,32 @@ fn a_result_comes_out_again_or_is_told_what_changed() {
     assert_eq!(verify(&found, &["--data", &there]).0, 0);
 }
 
+#[test]
+fn ten_results_come_out_again_on_another_number_of_threads() {
+    let scratch = Scratch::new("ten");
+    measured(&scratch.0);
+    let (rig, data) = (scratch.path("rig.ron"), scratch.0.join("run.csv"));
+    let found = |k: usize| scratch.0.join(format!("found-{k}"));
+    for k in 0..10 {
+        let (command, jobs, other) = (["run", "gap"][k % 2], ["1", "2", "3"][k % 3], ["3", "1", "2"][k % 3]);
+        let (out, set) = (found(k).display().to_string(), format!("data.0.window=(0.0, 7.{k})"));
+        let done = phisindy(&[command, &rig, "--out", &out, "--set", &set, "--jobs", jobs, "--quiet"]);
+        assert!(done.code <= 1, "{}", done.err);
+        let (code, of) = verify(&found(k), &["--jobs", other]);
+        assert_eq!((code, &of["same"]), (0, &true.into()), "{command} {k}: {of}");
+    }
+    // The last digit of one reading: the file is told, and what became of the numbers.
+    let text = fs::read_to_string(&data).expect("data");
+    let row = text.lines().find(|line| line.starts_with("4.00,")).expect("a row").to_owned();
+    let (most, last) = row.split_at(row.len() - 1);
+    replaced(&data, &row, &format!("{most}{}", if last == "1" { "2" } else { "1" }));
+    for k in [0, 1] {
+        let (code, of) = verify(&found(k), &[]);
+        assert_eq!((code, differences(&of)), (1, vec![("changed".into(), "../run.csv".into())]));
+        assert_eq!(of["same_values"], false, "{of}");
+    }
+}
+
 /// A spec may name its data by a path below the folder of data; what it wrote finds them, with that folder moved, too.
 #[test]
 fn data_below_the_folder_of_data_are_found() {

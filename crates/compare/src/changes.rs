@@ -42,6 +42,8 @@ pub struct Changes {
     pub differences: Vec<Difference>,
     /// The probability of differences as large as these where nothing changed.
     pub by_chance: f64,
+    /// Covariance of what is told, in the order of the differences.
+    pub covariance: Vec<Vec<f64>>,
     /// Other choices of as many changes that the data do not rule out.
     pub or: Vec<Vec<String>>,
 }
@@ -50,6 +52,28 @@ impl Changes {
     /// The numbers that are told.
     pub fn changed(&self) -> impl Iterator<Item = &Difference> {
         self.differences.iter().filter(|difference| difference.changed)
+    }
+
+    /// The numbers of the older result after what is told, with its errors; the others stand as they were, without.
+    pub fn applied(&self, before: &Estimates) -> Estimates {
+        let n = before.numbers.len();
+        let mut after = Estimates { covariance: vec![vec![0.0; n]; n], ..before.clone() };
+        let places = self.changed().map(|change| Some((before.position(&change.name)?, change)));
+        let places: Vec<Option<(usize, &Difference)>> = places.collect();
+        // By how much the number moves where its change does.
+        let slope = |value: f64, change: &Difference| if change.relative { value } else { 1.0 };
+        for &(k, change) in places.iter().flatten() {
+            let value = &mut after.values[k];
+            *value = if change.relative { *value * change.by.exp() } else { *value + change.by };
+        }
+        for (i, a) in places.iter().enumerate() {
+            for (j, b) in places.iter().enumerate() {
+                let (Some((p, a)), Some((q, b))) = (a, b) else { continue };
+                after.covariance[*p][*q] =
+                    self.covariance[i][j] * slope(after.values[*p], a) * slope(after.values[*q], b);
+            }
+        }
+        after
     }
 }
 
@@ -99,15 +123,37 @@ pub fn changes(old: &Estimates, new: &Estimates) -> Changes {
     let by_chance = problem.by_chance(problem.whole, n);
     let (told, or) = if by_chance >= FALSE_ALARMS { (vec![], vec![]) } else { problem.fewest() };
     let name = |k: usize| new.numbers[compared[k].1].name.clone();
+    let told = in_order(told);
+    let covariance = problem.left(&told).map_or_else(Vec::new, |Left { covariance: c, .. }| {
+        let entry = |i: usize, j: usize| c[(i, j)] * scale[told[i]] * scale[told[j]];
+        (0..told.len()).map(|i| (0..told.len()).map(|j| entry(i, j)).collect()).collect()
+    });
     let differences = (0..n).filter_map(|k| {
         let changed = told.contains(&k);
         let free = if changed { told.clone() } else { [told.as_slice(), &[k]].concat() };
-        let (by, error) = problem.left(&free)?.1[free.iter().position(|&f| f == k)?];
-        let (by, std_error) = (by * scale[k], error * scale[k]);
+        let Left { sizes, covariance, .. } = problem.left(&free)?;
+        let place = free.iter().position(|&f| f == k)?;
+        let error = covariance[(place, place)].max(0.0).sqrt();
+        let (by, std_error) = (sizes[place] * scale[k], error * scale[k]);
         Some(Difference { name: name(k), relative: relative[k], by, std_error, changed })
     });
     let or = or.into_iter().map(|choice| choice.into_iter().map(name).collect());
-    Changes { differences: differences.collect(), by_chance, or: or.collect() }
+    Changes { differences: differences.collect(), by_chance, covariance, or: or.collect() }
+}
+
+/// The same, rising.
+fn in_order(mut places: Vec<usize>) -> Vec<usize> {
+    places.sort_unstable();
+    places
+}
+
+/// What is left where some numbers are free.
+struct Left {
+    /// As `d' C^-1 d` is.
+    left: f64,
+    /// By how much each of them changed, and the covariance of these.
+    sizes: Vec<f64>,
+    covariance: Mat<f64>,
 }
 
 /// The differences, weighted by the inverse of their covariance; all in units of their standard errors.
@@ -145,15 +191,15 @@ impl Problem {
         }
     }
 
-    /// What is left where these numbers are free, and their sizes with standard errors.
-    fn left(&self, free: &[usize]) -> Option<(f64, Vec<(f64, f64)>)> {
+    /// What is left where these numbers are free.
+    fn left(&self, free: &[usize]) -> Option<Left> {
         let m = free.len();
         let part = Mat::from_fn(m, m, |i, j| self.weights[(free[i], free[j])]);
         let pull = Mat::from_fn(m, 1, |i, _| self.pull[free[i]]);
         let factor = part.llt(Side::Lower).ok()?;
-        let (size, inverse) = (factor.solve(&pull), factor.solve(Mat::<f64>::identity(m, m)));
+        let (size, covariance) = (factor.solve(&pull), factor.solve(Mat::<f64>::identity(m, m)));
         let left = self.whole - (pull.transpose() * &size)[(0, 0)];
-        Some((left, (0..m).map(|i| (size[(i, 0)], inverse[(i, i)].max(0.0).sqrt())).collect()))
+        Some(Left { left, sizes: (0..m).map(|i| size[(i, 0)]).collect(), covariance })
     }
 
     /// The fewest numbers whose change leaves what chance leaves: the best choice of them, and others that
@@ -162,12 +208,12 @@ impl Problem {
         let all = self.pull.len();
         let mut choices: Vec<Vec<usize>> = (0..all).map(|k| vec![k]).collect();
         for count in 1..=all {
-            let fits = choices.iter().filter_map(|choice| Some((self.left(choice)?, choice.clone())));
-            let mut fits: Vec<_> = fits.filter(|((left, _), _)| left.is_finite()).collect();
-            fits.sort_by(|a, b| a.0.0.total_cmp(&b.0.0));
-            let Some(((least, _), best)) = fits.first().cloned() else { break };
+            let fits = choices.iter().filter_map(|choice| Some((self.left(choice)?.left, choice.clone())));
+            let mut fits: Vec<_> = fits.filter(|(left, _)| left.is_finite()).collect();
+            fits.sort_by(|a, b| a.0.total_cmp(&b.0));
+            let Some((least, best)) = fits.first().cloned() else { break };
             if self.by_chance(least, all - count) >= FALSE_ALARMS || count == all {
-                let near = fits[1..].iter().take_while(|((left, _), _)| left - least < 2.0 * ODDS.ln());
+                let near = fits[1..].iter().take_while(|(left, _)| left - least < 2.0 * ODDS.ln());
                 return (best, near.map(|(_, choice)| choice.clone()).collect());
             }
             let from = if count < TRIED_TOGETHER { choices } else { vec![best] };
@@ -252,6 +298,25 @@ mod tests {
         // 40 expected, standard deviation 6.3.
         let count = alarms.count();
         assert!((18..=62).contains(&count), "{count}");
+    }
+
+    /// The model of the newer record is that of the older with what is told, and no other number moves.
+    #[test]
+    fn what_is_told_is_applied_and_nothing_else() {
+        let (old, new) = (
+            of(&[2.0, 800.0, 0.7, 0.0], diagonal(&[0.01, 1.0, 0.001, 0.1])),
+            of(&[2.01, 776.0, 0.56, 0.05], diagonal(&[0.01, 1.0, 0.001, 0.1])),
+        );
+        let found = changes(&old, &new);
+        assert_eq!(found.changed().map(|d| d.name.as_str()).collect::<Vec<_>>(), ["p1", "p2"]);
+        let after = found.applied(&old);
+        assert_eq!((after.values[0], after.values[3]), (2.0, 0.0));
+        assert_relative_eq!(after.values[1], 776.0, max_relative = 1e-9);
+        assert_relative_eq!(after.values[2], 0.56, max_relative = 1e-9);
+        assert_eq!((after.std_error(0), after.std_error(3)), (0.0, 0.0));
+        // Both records err: of the logarithms in parts of each value.
+        let of_both = 776.0 * (1.0 / 800.0_f64).hypot(1.0 / 776.0);
+        assert_relative_eq!(after.std_error(1), of_both, max_relative = 1e-9);
     }
 
     #[test]

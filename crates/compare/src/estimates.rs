@@ -1,10 +1,12 @@
 //! The numbers of a result with their covariance.
 
+use serde::{Deserialize, Serialize};
+
 /// Half the width of a 95 % interval in standard errors.
 pub const HALF_WIDTH_95: f64 = 1.96;
 
 /// What a number is of.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Number {
     /// Its name, by which results are matched.
     pub name: String,
@@ -15,14 +17,23 @@ pub struct Number {
 }
 
 /// The numbers of a result, in SI.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Estimates {
     /// What they are of.
     pub numbers: Vec<Number>,
     /// Their values.
+    #[serde(with = "crate::finite")]
     pub values: Vec<f64>,
     /// Their covariance, in the order of `numbers`.
+    #[serde(with = "crate::finite::rows")]
     pub covariance: Vec<Vec<f64>>,
+}
+
+impl Number {
+    /// The name of a coefficient that was found.
+    pub fn of_coefficient(candidate: &str, state: &str) -> String {
+        format!("{candidate} in {state}'")
+    }
 }
 
 impl Estimates {

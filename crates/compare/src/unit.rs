@@ -1,11 +1,13 @@
 //! What is known of a machine, and of two of them.
 
 use crate::changes::Changes;
+use crate::curve::ForceCurve;
 use crate::estimates::Estimates;
 use crate::population::Population;
+use serde::{Deserialize, Serialize};
 
 /// A law or a changed constant that a model lacks.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Cause {
     /// Name of the law.
     pub law: String,
@@ -14,6 +16,7 @@ pub struct Cause {
     /// The value that the spec states, of a constant that has another one.
     pub stated: Option<f64>,
     /// Its numbers: name, value, 95 % interval, unit.
+    #[serde(with = "crate::finite::intervals")]
     pub numbers: Vec<(String, f64, (f64, f64), String)>,
 }
 
@@ -25,7 +28,7 @@ impl Cause {
 }
 
 /// What a record says of a machine.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Unit {
     /// What it is called: the path of its spec or result.
     pub name: String,
@@ -37,6 +40,8 @@ pub struct Unit {
     pub causes: Vec<Cause>,
     /// The numbers of its completed model.
     pub estimates: Estimates,
+    /// Its forces over what they depend on; of the newer of two, with the numbers of the older but for what is told.
+    pub curves: Vec<ForceCurve>,
 }
 
 /// Two records of one machine, the newer beside the model of the older.

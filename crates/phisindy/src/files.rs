@@ -18,7 +18,9 @@
 mod columns;
 mod compare;
 mod compared_models;
+mod fleet;
 mod folders;
+mod judged;
 mod laws;
 mod load;
 mod next;
@@ -33,6 +35,7 @@ mod whole;
 pub use columns::Columns;
 pub(crate) use columns::headings;
 pub use compare::compare;
+pub use fleet::{fleet_of, machine, machine_files};
 pub use folders::{data_file, named_files, open_plain_file, opened};
 pub use laws::{LawFolderError, beside, catalogue, doubts, law_files};
 pub use load::{Purpose, Refusal, load, load_text, open, open_text, spec_text, start_of, with_assignments};

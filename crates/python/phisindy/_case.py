@@ -74,6 +74,10 @@ class Case:
         """Where its data files are looked for."""
         return self._path.parent
 
+    def _files(self, tables: bool, laws: Path | None) -> list[Path]:
+        """The files that a result depends on: data unless tables stand in their place, and laws."""
+        return self._native.files(tables, laws)
+
     @property
     def states(self) -> list[str]:
         """Names of the states."""

@@ -52,7 +52,7 @@ def sweep(
     all_seeds = _seeds(seeds)
     work = [(case, seed, method) for seed in all_seeds]
     journal = Journal(out, [("sweep", case, None, {"seed": seed, "method": method}) for seed in all_seeds])
-    return Sweep(case, _gathered(_one_seed, work, journal, client=client, jobs=jobs, progress=progress, what="sweep"))
+    return Sweep(case, gathered(_one_seed, work, journal, client=client, jobs=jobs, progress=progress, what="sweep"))
 
 
 def map(
@@ -79,7 +79,7 @@ def map(
     pairs = [_pair(case) for case in cases]
     work = [(function, case, data, options) for case, data in pairs]
     journal = Journal(out, [(name, case, data, options) for case, data in pairs])
-    return _gathered(_one_case, work, journal, client=client, jobs=jobs, progress=progress, what="map")
+    return gathered(_one_case, work, journal, client=client, jobs=jobs, progress=progress, what="map")
 
 
 def _seeds(given: int | Iterable[int]) -> list[int]:
@@ -169,7 +169,7 @@ def _chunk_of_worker(task: Callable[[Any], dict[str, Any]], works: list[Any]) ->
     return found
 
 
-def _gathered(
+def gathered(
     task: Callable[[Any], dict[str, Any]],
     works: list[Any],
     journal: Journal,
@@ -179,6 +179,7 @@ def _gathered(
     progress: bool | Tell,
     what: str,
 ) -> list[Result]:
+    """The results of all works in their order: those of the journal, and the others as they come."""
     jobs, teller = jobs_of(jobs), teller_of(progress)
     if client is not None and not (hasattr(client, "submit") and hasattr(client, "nthreads")):
         raise DataError(f"client is a {type(client).__name__}: give a dask.distributed.Client")

@@ -9,18 +9,28 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from types import TracebackType
-from typing import IO, TYPE_CHECKING, Any
+from typing import IO, Any, Protocol
 
 from . import _native
 from ._arguments import path_of
 from ._errors import DataError, PhisindyError
 from ._tables import tables
 
-if TYPE_CHECKING:
-    from ._case import Case
 
-# What is run: the name of the function, the case, its tables, and how.
-Work = tuple[str, "Case", Any, dict[str, Any]]
+class Source(Protocol):
+    """What a run is of: a case, or a machine of a fleet."""
+
+    @property
+    def text(self) -> str: ...
+
+    @property
+    def folder(self) -> Path: ...
+
+    def _files(self, tables: bool, laws: Path | None) -> list[Path]: ...
+
+
+# What is run: the name of the function, what it is of, its tables, and how.
+Work = tuple[str, Source, Any, dict[str, Any]]
 
 
 @dataclass(frozen=True)
@@ -88,7 +98,7 @@ def _key(work: Work, contents: dict[Path, bytes]) -> str:
     for text in (_native.__version__, name, case.text, str(case.folder), json.dumps(options, sort_keys=True, default=str)):
         add(text)
     laws = options.get("laws")
-    for file in case._native.files(data is not None, None if laws is None else path_of("laws", laws)):
+    for file in case._files(data is not None, None if laws is None else path_of("laws", laws)):
         if file not in contents:
             contents[file] = _content(file)
         digest.update(contents[file])

@@ -17,6 +17,9 @@ __all__ = [
     "Stop",
     "__version__",
     "compare",
+    "fleet_of",
+    "machine",
+    "machine_files",
     "draft",
     "next_run",
     "laws",
@@ -136,6 +139,17 @@ def compare(
     progress: Callable[[float, str], object] | None = None,
     stop: Stop | None = None,
 ) -> tuple[str, list[tuple[str, str]]]: ...
+def machine(
+    path: Path,
+    first: Path,
+    *,
+    data: Path | None = None,
+    laws: Path | None = None,
+    jobs: int | None = None,
+    stop: Stop | None = None,
+) -> str: ...
+def machine_files(path: Path, first: Path, *, data: Path | None = None, laws: Path | None = None) -> list[Path]: ...
+def fleet_of(machines: list[str]) -> tuple[str, list[tuple[str, str]]]: ...
 def next_run(
     path: Path,
     *,

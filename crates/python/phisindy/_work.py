@@ -36,6 +36,11 @@ def stopped_by(stop: _native.Stop) -> None:
     _stopping.by = stop
 
 
+def stop_of_thread() -> _native.Stop | None:
+    """What ends the work of this thread."""
+    return _stopping.by
+
+
 def run(
     case: Case,
     data: Any = None,
@@ -98,16 +103,25 @@ def compare(
     *paths: str | os.PathLike[str],
     data: str | os.PathLike[str] | None = None,
     laws: str | os.PathLike[str] | None = None,
+    client: Any = None,
     jobs: int | None = None,
     progress: bool | Tell = False,
+    out: str | os.PathLike[str] | None = None,
 ) -> Comparison:
     """What changed from an older record to a newer one, or which of many machines stands out: ``phisindy compare``.
 
     Each path is a spec or the folder of a result (``save``, ``--out``). ``data`` is the folder of data files that do not
-    lie beside their specs, ``laws`` one of further laws.
+    lie beside their specs, ``laws`` one of further laws. Of a fleet each machine may be a task of its own: on the workers
+    of ``client``, a ``dask.distributed.Client`` whose workers see the same files, or on ``jobs`` threads with ``out``, a
+    file of JSON lines that keeps every machine as it comes: the same call goes on from there. A machine counts as the
+    same if the contents of its spec, data and laws are. The numbers are the same to the bit in all of these ways.
     """
     folder = None if data is None else path_of("data", data)
     given, jobs, own = [path_of("path", path) for path in paths], jobs_of(jobs), _folder(laws)
+    if client is not None or out is not None:
+        from ._fleet import fleet
+
+        return fleet(given, data=folder, laws=own, client=client, jobs=jobs, progress=progress, out=out)
     with _heard(progress, "compare") as tell:
         text, files = _native.compare(
             given, data=folder, laws=own, jobs=jobs, progress=tell, stop=_stopping.by

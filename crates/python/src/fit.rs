@@ -19,6 +19,9 @@ pub(crate) fn add(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_class::<NativeRun>()?;
     m.add_class::<NativeGap>()?;
     m.add_function(wrap_pyfunction!(compare, m)?)?;
+    m.add_function(wrap_pyfunction!(machine, m)?)?;
+    m.add_function(wrap_pyfunction!(machine_files, m)?)?;
+    m.add_function(wrap_pyfunction!(fleet_of, m)?)?;
     m.add_function(wrap_pyfunction!(next_run, m)?)?;
     m.add_function(wrap_pyfunction!(save, m)?)
 }
@@ -182,14 +185,60 @@ fn compare(
     progress: Option<Py<PyAny>>,
     stop: Option<&Stop>,
 ) -> PyResult<(String, Vec<(String, String)>)> {
-    let further_data = further_data(py);
-    let request = Request { data, further_data, laws, naming: Naming::Variable, ..Request::default() };
+    let request = comparing(py, data, laws);
     let compared = worked(py, jobs, progress.as_ref(), stop, |observe| {
         let report =
             files::compare(&paths, &request, &Options { observe: Some(observe), ..Options::default() })?;
         Ok((report.written(Format::Text), Folder::of_comparison(&report, &[]).files))
     });
     compared?.map_err(DataError::new_err::<String>)
+}
+
+/// Judges a machine of a fleet, the first of which is named too: a line for `fleet_of`.
+#[pyfunction]
+#[pyo3(signature = (path, first, *, data=None, laws=None, jobs=None, stop=None))]
+fn machine(
+    py: Python<'_>,
+    path: PathBuf,
+    first: PathBuf,
+    data: Option<PathBuf>,
+    laws: Option<PathBuf>,
+    jobs: Option<usize>,
+    stop: Option<&Stop>,
+) -> PyResult<String> {
+    let request = comparing(py, data, laws);
+    let found = worked(py, jobs, None, stop, |observe| {
+        files::machine(&path, &first, &request, &Options { observe: Some(observe), ..Options::default() })
+    });
+    found?.map_err(DataError::new_err::<String>)
+}
+
+/// The files that such a line depends on.
+#[pyfunction]
+#[pyo3(signature = (path, first, *, data=None, laws=None))]
+fn machine_files(
+    py: Python<'_>,
+    path: PathBuf,
+    first: PathBuf,
+    data: Option<PathBuf>,
+    laws: Option<PathBuf>,
+) -> PyResult<Vec<PathBuf>> {
+    files::machine_files(&path, &first, &comparing(py, data, laws)).map_err(DataError::new_err::<String>)
+}
+
+/// Sets machines beside each other: the text, and path and text of each file.
+#[pyfunction]
+fn fleet_of(py: Python<'_>, machines: Vec<String>) -> PyResult<(String, Vec<(String, String)>)> {
+    let compared = py.detach(|| {
+        let report = files::fleet_of(machines.iter().map(String::as_str))?;
+        Ok((report.written(Format::Text), Folder::of_comparison(&report, &[]).files))
+    });
+    compared.map_err(DataError::new_err::<String>)
+}
+
+/// What a comparison is asked for.
+fn comparing(py: Python<'_>, data: Option<PathBuf>, laws: Option<PathBuf>) -> Request {
+    Request { data, further_data: further_data(py), laws, naming: Naming::Variable, ..Request::default() }
 }
 
 /// Designs the next run: the text, and path and text of each file.
@@ -206,8 +255,7 @@ fn next_run(
     progress: Option<Py<PyAny>>,
     stop: Option<&Stop>,
 ) -> PyResult<(String, Vec<(String, String)>)> {
-    let further_data = further_data(py);
-    let request = Request { data, further_data, laws, naming: Naming::Variable, ..Request::default() };
+    let request = comparing(py, data, laws);
     let found = worked(py, jobs, progress.as_ref(), stop, |observe| {
         let options = Options { observe: Some(observe), ..Options::default() };
         let report = files::next(&path, narrow, &request, &options)?;

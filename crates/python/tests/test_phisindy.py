@@ -389,20 +389,57 @@ def test_the_laws_are_there():
     assert "stribeck" in laws and laws["stribeck"]["reference"]
 
 
+def swinging(folder, name, friction, noise):
+    """A swing with friction, measured: its spec, which holds all else."""
+    t = np.arange(0.0, 9.0, 0.01)
+    swing = np.floor(t / np.pi)
+    x = friction * (-1.0) ** swing + (2.0 - friction - 2.0 * friction * swing) * np.cos(t)
+    rows = np.column_stack([t, x + 0.002 * noise.standard_normal(t.size)])
+    np.savetxt(folder / f"{name}.csv", rows, delimiter=",", header="t,x", comments="", fmt="%.6f")
+    (folder / f"{name}.ron").write_text(
+        f"""(states: {{ "x": "m", "v": "m/s" }}, constants: {{ "k": (1.0, "1/s^2") }},
+        known: {{ "x": "v", "v": "-k*x" }}, contacts: ["v"], unknown: {{ "v": (factor: "-sgn(v)", candidates: ["1"]) }},
+        data: [ Csv(path: "{name}.csv", time: "t", columns: {{ "x": "x" }}) ])"""
+    )
+    return folder / f"{name}.ron"
+
+
+def test_a_fleet_is_compared_on_a_cluster_to_the_bit(tmp_path):
+    """Each machine is a task, and the comparison has the bits of one process; a file that is replaced gives a new number."""
+    distributed = pytest.importorskip("distributed")
+    noise, out = np.random.default_rng(8), tmp_path / "fleet.jsonl"
+    sizes = [0.30, 0.305, 0.295, 0.302, 0.298, 0.45]
+    paths = [swinging(tmp_path, f"m{k}", size, noise) for k, size in enumerate(sizes)]
+    alone = phisindy.compare(*paths)
+    first = alone.to_dict()["machines"][0]
+    assert first["name"].endswith("m5.ron") and first["needs_care"], alone
+    with (
+        distributed.LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None) as cluster,
+        distributed.Client(cluster) as client,
+    ):
+        assert phisindy.compare(*paths, client=client, out=out).to_dict() == alone.to_dict()
+    lines = out.read_text().splitlines()
+    assert len(lines) == len(paths)
+    # What is kept is not done again.
+    assert phisindy.compare(*paths, out=out).to_dict() == alone.to_dict()
+    assert out.read_text().splitlines() == lines
+    # The sixth machine was mended: its data are others under the same name.
+    swinging(tmp_path, "m5", 0.30, noise)
+    mended = phisindy.compare(*paths, out=out)
+    assert not any(machine["needs_care"] for machine in mended.to_dict()["machines"]), mended
+    assert len(out.read_text().splitlines()) == len(paths) + 1
+    (tmp_path / "m2.csv").unlink()
+    with pytest.raises(phisindy.DataError, match="1 of 6 machines cannot be judged, the first is .*m2.ron.*m2.csv"):
+        phisindy.compare(*paths, out=out)
+    with pytest.raises(phisindy.DataError, match="for a fleet of three or more"):
+        phisindy.compare(*paths[:2], out=out)
+
+
 def test_records_of_one_machine_are_compared(tmp_path):
     """A swing whose friction fell, by specs that hold all else."""
-    t = np.arange(0.0, 9.0, 0.01)
     noise = np.random.default_rng(5)
     for name, friction in (("old", 0.30), ("new", 0.24)):
-        swing = np.floor(t / np.pi)
-        x = friction * (-1.0) ** swing + (2.0 - friction - 2.0 * friction * swing) * np.cos(t)
-        rows = np.column_stack([t, x + 0.002 * noise.standard_normal(t.size)])
-        np.savetxt(tmp_path / f"{name}.csv", rows, delimiter=",", header="t,x", comments="", fmt="%.6f")
-        (tmp_path / f"{name}.ron").write_text(
-            f"""(states: {{ "x": "m", "v": "m/s" }}, constants: {{ "k": (1.0, "1/s^2") }},
-            known: {{ "x": "v", "v": "-k*x" }}, contacts: ["v"], unknown: {{ "v": (factor: "-sgn(v)", candidates: ["1"]) }},
-            data: [ Csv(path: "{name}.csv", time: "t", columns: {{ "x": "x" }}) ])"""
-        )
+        swinging(tmp_path, name, friction, noise)
     found = phisindy.compare(tmp_path / "old.ron", tmp_path / "new.ron")
     assert found.verdict == "changed"
     assert "fell by" in found.sentence, found

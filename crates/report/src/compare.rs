@@ -1,5 +1,7 @@
 //! Results beside each other: what changed between two, and who stands out of many.
 
+mod curves;
+mod forces;
 mod html;
 mod json;
 mod text;
@@ -7,6 +9,7 @@ mod text;
 use crate::format::Format;
 use crate::html::HtmlReport;
 use crate::table::{short, with_error};
+pub use forces::force_curves;
 use phisindy_compare::{Cause, Comparison, Difference, Fleet, Unit};
 
 /// Two records of one machine, or many machines.

@@ -37,7 +37,7 @@ pub mod table;
 mod terminal;
 mod tied;
 
-pub use compare::CompareReport;
+pub use compare::{CompareReport, force_curves};
 pub use equation::{Equation, equations};
 pub use folder::{Folder, PROVENANCE, RESULT, SPEC};
 pub use format::Format;

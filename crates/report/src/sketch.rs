@@ -34,11 +34,14 @@ use crate::chart::Chart;
 use crate::gap::GapReport;
 use crate::run::RunReport;
 use crate::terminal::Look;
+pub(crate) use moving::Moving;
 use number::Numbers;
-use phisindy_phys::Case;
+use phisindy_learn::FoundParameter;
 use phisindy_phys::spec::Spec;
+use phisindy_phys::{Case, System};
 use read::Reading;
 use scheme::{Known, Scheme};
+use std::collections::HashMap;
 
 /// The style sheet of sketches, beside that of charts.
 pub(crate) const STYLE: &str = include_str!("sketch/sketch.css");
@@ -46,6 +49,22 @@ pub(crate) const STYLE: &str = include_str!("sketch/sketch.css");
 /// The sketch of a case as it is, as lines of a terminal; none where there is nothing to draw.
 pub fn sketch(spec: &Spec, case: &Case, look: Look) -> Vec<String> {
     text::lines(&of_case(spec, case), look)
+}
+
+/// A model as the sketch reads it: the system with the names of its constants, what these are worth (SI), and
+/// what moves in it.
+pub(crate) struct Model {
+    pub(crate) system: System,
+    pub(crate) values: HashMap<String, f64>,
+    pub(crate) bodies: Vec<Moving>,
+}
+
+impl Model {
+    /// With the numbers that were found.
+    pub(crate) fn new(spec: &Spec, case: &Case, found: &[FoundParameter]) -> Model {
+        let Reading { system, numbers, bodies, .. } = Reading::read(spec, case, found::numbers(found));
+        Model { system, values: numbers.values, bodies }
+    }
 }
 
 fn of_case(spec: &Spec, case: &Case) -> Scheme {

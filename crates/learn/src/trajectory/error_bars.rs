@@ -7,7 +7,7 @@ use crate::result::estimate::Estimate;
 use crate::trajectory::fit::Fit;
 use crate::trajectory::problem::Meaning;
 use crate::trajectory::profile::interval;
-use faer::Mat;
+use faer::{Mat, Side};
 
 /// The error bars of a fit.
 pub(crate) struct ErrorBars<'a> {
@@ -196,18 +196,56 @@ fn lags(scores: &[Vec<f64>]) -> usize {
     ((1.1447 * (alpha * scores.len() as f64).cbrt()) as usize).min(scores.len() / 2)
 }
 
-/// Bread, meat, bread, for what the data see.
+/// Bread, meat, bread, for what the data see. With `bread = L L'` it is `L (L' meat L) L'`: numbers that trade off may be
+/// known a thousand times better together than alone, and in the plain product the small variance is lost in the rounding
+/// of the large ones, or comes out negative.
 fn between(bread: &Mat<f64>, meat: &Mat<f64>) -> Mat<f64> {
     let n = bread.nrows();
     let seen: Vec<usize> = (0..n).filter(|&k| bread[(k, k)].is_finite()).collect();
-    let pick = |m: &Mat<f64>| Mat::from_fn(seen.len(), seen.len(), |i, j| m[(seen[i], seen[j])]);
-    let small = pick(bread);
-    let sandwich = &small * &pick(meat) * &small;
+    let m = seen.len();
     let mut out = Mat::from_fn(n, n, |i, j| if i == j { f64::INFINITY } else { 0.0 });
+    // In parts of each error, so that no unit of measurement matters.
+    let size: Vec<f64> = seen.iter().map(|&k| bread[(k, k)].sqrt()).collect();
+    let part = |of: f64, i: usize, j: usize| if of == 0.0 { 0.0 } else { of / (size[i] * size[j]) };
+    let correlation = Mat::from_fn(m, m, |i, j| part(bread[(seen[i], seen[j])], i, j));
+    let Ok(eigen) = correlation.self_adjoint_eigen(Side::Lower) else { return bread.clone() };
+    let (u, s) = (eigen.U(), eigen.S());
+    let root = Mat::from_fn(m, m, |i, k| u[(i, k)] * s[k].max(0.0).sqrt());
+    let scaled = Mat::from_fn(m, m, |i, j| meat[(seen[i], seen[j])] * size[i] * size[j]);
+    let inner = root.transpose() * &scaled * &root;
+    let sandwich = &root * &inner * root.transpose();
     for (i, &a) in seen.iter().enumerate() {
         for (j, &b) in seen.iter().enumerate() {
-            out[(a, b)] = sandwich[(i, j)];
+            out[(a, b)] = 0.5 * (sandwich[(i, j)] + sandwich[(j, i)]) * size[i] * size[j];
         }
     }
     out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Four numbers whose common scale is hardly known: each pair of them is known 3000 times better than each alone.
+    #[test]
+    fn what_is_known_of_numbers_together_is_not_lost_beside_what_is_not() {
+        let half = 0.5;
+        let q = [
+            [half, half, half, half],
+            [half, -half, half, -half],
+            [half, half, -half, -half],
+            [half, -half, -half, half],
+        ];
+        let sizes = [1e-7, 1.0, 0.5, 0.3];
+        let entry = |i: usize, j: usize| (0..4).map(|k| sizes[k] * q[k][i] * q[k][j]).sum::<f64>();
+        let a = Mat::from_fn(4, 4, entry);
+        // Other errors than those that the cost believes in.
+        let meat = Mat::from_fn(4, 4, |i, j| 1.3 * a[(i, j)]);
+        let found = between(&covariance(&a), &meat);
+        for (k, size) in sizes.iter().enumerate() {
+            let along: f64 =
+                (0..4).map(|i| (0..4).map(|j| q[k][i] * found[(i, j)] * q[k][j]).sum::<f64>()).sum();
+            assert!((along * size / 1.3 - 1.0).abs() < 1e-4, "direction {k}: {along} for {}", 1.3 / size);
+        }
+    }
 }

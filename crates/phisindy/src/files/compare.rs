@@ -5,17 +5,18 @@
 //! newer --its records in that model-------+--all numbers free--> Estimates if it explains them, or gap --+--> Comparison
 //! ```
 
-use super::compared_models::{all_free, believed, columns, freed, gain_of, label, parsed, with_records_of};
+use super::compared_models::{all_free, believed, columns, gain_of, parsed, with_records_of};
+use super::fleet::fleet;
+use super::judged::{Judged, curves, estimates, judged, of_gap};
 use super::load::Purpose;
 use super::request::Request;
 use super::source::{Source, part, words};
 use crate::error::Error;
 use crate::options::Options;
 use crate::{Gap, Identified};
-use phisindy_compare::{Cause, Comparison, Estimates, Fleet, Number, Unit, changes, population};
-use phisindy_gap::{Site, Status, Step};
-use phisindy_learn::{FoundParameter, ParameterOf, SensorPart};
-use phisindy_phys::spec::{ConstantSpec, Spec};
+use phisindy_compare::{Comparison, Estimates, Number, Unit, changes};
+use phisindy_gap::Status;
+use phisindy_phys::spec::ConstantSpec;
 use phisindy_phys::unit::Unit as Measure;
 use phisindy_report::CompareReport;
 use std::path::{Path, PathBuf};
@@ -55,12 +56,12 @@ fn pair(old: &Path, new: &Path, request: &Request, options: &Options<'_>) -> Res
     };
     let fit = |source: &Source, model: &str, span| {
         let free = all_free(model)?;
-        part(options, span, |options| fitted(source, &free, request, options))
+        part(options, span, |options| source.fitted(&free, request, options))
     };
     let before = fit(&older, &model, (0.4, 0.5)).map_err(told)?;
     // What `run` found is called by its terms, and in the model by its constants.
     let own = if open_model {
-        part(options, (0.4, 0.5), |options| fitted(&older, &model, request, options)).map_err(told)?
+        estimates(&part(options, (0.4, 0.5), |options| older.fitted(&model, request, options)).map_err(told)?)
     } else {
         older_unit.estimates.clone()
     };
@@ -70,10 +71,12 @@ fn pair(old: &Path, new: &Path, request: &Request, options: &Options<'_>) -> Res
     let free = open(&all_free(&moved).map_err(told)?)?.standing().map_err(told)?;
     let by_numbers = |holds: bool| {
         let status = if holds { Status::NothingMissing } else { Status::Unexplained };
-        let (name, estimates) = (newer.name.clone(), fit(&newer, &moved, (0.5, 1.0)).map_err(told)?);
-        Ok::<Unit, String>(Unit { name, status: status.name().into(), holds, causes: vec![], estimates })
+        let found = fit(&newer, &moved, (0.5, 1.0)).map_err(told)?;
+        let (name, status) = (newer.name.clone(), status.name().into());
+        let unit = Unit { name, status, holds, estimates: estimates(&found), ..Unit::default() };
+        Ok::<(Unit, Identified), String>((unit, found))
     };
-    let unit = if free.explains {
+    let (unit, after) = if free.explains {
         by_numbers(true)?
     } else {
         let gap = |held: bool, span| {
@@ -96,10 +99,21 @@ fn pair(old: &Path, new: &Path, request: &Request, options: &Options<'_>) -> Res
             by_numbers(found.status().holds())?
         } else {
             let text = if found.steps().is_empty() { &moved } else { &found.result.completed };
-            of_gap(&newer, &found, fit(&newer, text, (0.9, 1.0)).map_err(told)?)
+            let after = fit(&newer, text, (0.9, 1.0)).map_err(told)?;
+            (of_gap(&newer, &found, &after), after)
         }
     };
-    let changes = changes(&before, &unit.estimates);
+    let changes = changes(&estimates(&before), &unit.estimates);
+    // A constant that changed is one finding, whether the search for laws saw it too or not.
+    let of_numbers: Vec<&str> = changes.changed().map(|change| change.name.as_str()).collect();
+    let unit = Unit {
+        causes: unit
+            .causes
+            .into_iter()
+            .filter(|cause| cause.stated.is_none() || !of_numbers.contains(&cause.at.as_str()))
+            .collect(),
+        ..unit
+    };
     // Where no number can be compared, the model as it was must explain the newer record.
     let alone = changes.differences.is_empty() && unit.holds && unit.causes.is_empty();
     let unit = if alone
@@ -109,112 +123,9 @@ fn pair(old: &Path, new: &Path, request: &Request, options: &Options<'_>) -> Res
     } else {
         unit
     };
-    Ok(Comparison { old: Unit { estimates: known, ..older_unit }, new: unit, changes })
-}
-
-/// Many machines of one kind, each by its own spec or result.
-fn fleet(paths: &[PathBuf], request: &Request, options: &Options<'_>) -> Result<Fleet, String> {
-    let mut units = Vec::new();
-    for (k, path) in paths.iter().enumerate() {
-        let share = |k: usize| k as f64 / paths.len() as f64;
-        let source = Source::completed(path)?;
-        units
-            .push(part(options, (share(k), share(k + 1)), |options| judged(&source, request, options))?.unit);
-    }
-    let all: Vec<Estimates> = units.iter().map(|unit| unit.estimates.clone()).collect();
-    Ok(Fleet { population: population(&all), units })
-}
-
-/// The numbers of a model by the records of a spec.
-fn fitted(
-    source: &Source,
-    model: &str,
-    request: &Request,
-    options: &Options<'_>,
-) -> Result<Estimates, Error> {
-    Ok(estimates(&source.fitted(model, request, options)?))
-}
-
-/// A machine by its own spec.
-struct Judged {
-    unit: Unit,
-    /// Whether its spec has terms or laws to choose from.
-    open: bool,
-    /// Its completed model, as a text in which all numbers that were found may move.
-    model: String,
-}
-
-fn judged(source: &Source, request: &Request, options: &Options<'_>) -> Result<Judged, String> {
-    let told = |why: Error| format!("`{}`: {}", source.name, words(&why));
-    let loaded = source.opened(&source.text, request, Purpose::Run).map_err(told)?;
-    let named = |spec: &Spec| spec.unknown.iter().any(|(_, unknown)| !unknown.laws.is_empty());
-    if loaded.case.is_open() || named(&parsed(&source.text).map_err(told)?) {
-        let found = loaded.identify(options).map_err(told)?;
-        let model = found.model().and_then(|model| freed(&model, &found.loaded.parsed)).map_err(told)?;
-        let (name, status) = (source.name.clone(), found.verdict().word().to_owned());
-        let holds = found.verdict().holds();
-        return Ok(Judged {
-            unit: Unit { name, status, holds, causes: vec![], estimates: estimates(&found) },
-            open: true,
-            model,
-        });
-    }
-    let found = part(options, (0.0, 0.8), |options| loaded.gap(options)).map_err(told)?;
-    let model = if found.steps().is_empty() { source.text.clone() } else { found.result.completed.clone() };
-    let fitted =
-        part(options, (0.8, 1.0), |options| fitted(source, &model, request, options)).map_err(told)?;
-    Ok(Judged { unit: of_gap(source, &found, fitted), open: false, model })
-}
-
-/// What `gap` says of a machine.
-fn of_gap(source: &Source, found: &Gap, estimates: Estimates) -> Unit {
-    let status = found.status();
-    Unit {
-        name: source.name.clone(),
-        status: status.name().to_owned(),
-        holds: status.holds(),
-        causes: found.steps().iter().map(cause).collect(),
-        estimates,
-    }
-}
-
-fn cause(step: &Step) -> Cause {
-    let stated = match step.effect.place.site {
-        Site::Constant { stated } => Some(stated),
-        _ => None,
-    };
-    let numbers = step.parameters.iter().map(|p| (p.name.clone(), p.value, p.ci95, p.unit.clone())).collect();
-    Cause { law: step.effect.entry.law.name.clone(), at: step.effect.place.at.clone(), stated, numbers }
-}
-
-/// The numbers that tell one machine from another: constants and coefficients, gains and delays of sensors. Where a
-/// record starts, and what belongs to one record of several, is none; the zero of a sensor is set before each run.
-fn estimates(found: &Identified) -> Estimates {
-    let terms = found.terms();
-    let of_machine = |p: &FoundParameter| {
-        let offset = matches!(p.id.of, ParameterOf::Sensor { part: SensorPart::Offset, .. });
-        p.id.shown_record().is_none() && !offset
-    };
-    let named = |name: String, unit: &str, factor| Number { name, unit: unit.to_owned(), factor };
-    let of_terms = terms
-        .iter()
-        .map(|t| (named(format!("{} in {}'", t.candidate, t.state), &t.unit, 1.0), t.coefficient.value));
-    let of_parameters = found
-        .parameters()
-        .iter()
-        .map(|p| (named(label(&p.id.to_string()), &p.unit, p.factor), p.estimate.value));
-    let all: Vec<(Number, f64)> = of_terms.chain(of_parameters).collect();
-    let covariance = &found.result.covariance;
-    let kept: Vec<usize> = (0..all.len())
-        .filter(|&k| {
-            k < covariance.len() && (k < terms.len() || of_machine(&found.parameters()[k - terms.len()]))
-        })
-        .collect();
-    Estimates {
-        numbers: kept.iter().map(|&k| all[k].0.clone()).collect(),
-        values: kept.iter().map(|&k| all[k].1).collect(),
-        covariance: kept.iter().map(|&i| kept.iter().map(|&j| covariance[i][j]).collect()).collect(),
-    }
+    let old = Unit { curves: curves(&before, &known), estimates: known, ..older_unit };
+    let new = Unit { curves: curves(&after, &changes.applied(&old.estimates)), ..unit };
+    Ok(Comparison { old, new, changes })
 }
 
 /// The numbers of a model: those that were found with their errors, those that it holds, and gains of 1.

@@ -61,6 +61,11 @@ impl Source {
         Ok(Source { name: shown.to_string(), path: file, text })
     }
 
+    /// Its file.
+    pub(super) fn file(&self) -> &Path {
+        &self.path
+    }
+
     /// The laws of the program, with those beside the spec and of the folder that is asked for.
     pub(super) fn laws(&self, request: &Request) -> Result<Catalogue, String> {
         beside(&self.path, request).map_err(|why| why.to_string())

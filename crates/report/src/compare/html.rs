@@ -1,5 +1,6 @@
 //! The comparison as a page: a table, and each number of each machine with its interval.
 
+use super::curves::curves;
 use super::{CompareReport, Number, number, text, why};
 use crate::chart::{Axis, Chart, Mark, Panel, Place, Sheet, Swatch, digits, legend};
 use crate::format::capital;
@@ -7,7 +8,7 @@ use crate::html::page::{Banner, Captioned, Page, Tone, block};
 use crate::html::reproduction::command;
 use crate::html::table::{Cell, code, table, text as words};
 use crate::input::Invocation;
-use phisindy_compare::{HALF_WIDTH_95, Unit};
+use phisindy_compare::{Fleet, HALF_WIDTH_95, Unit};
 
 /// Height of the line of a machine, of a panel at most, and between panels.
 const LINE: f64 = 13.0;
@@ -15,6 +16,8 @@ const LINE: f64 = 13.0;
 const NAMED: f64 = 26.0;
 const HIGHEST: f64 = 420.0;
 const BETWEEN: f64 = 66.0;
+/// Most machines of a picture and of a table: beyond those that need care, `result.json` has the rest.
+const SHOWN: usize = 200;
 
 pub(super) fn page(report: &CompareReport, arguments: &[String]) -> Page {
     let (headline, tone, title) = match report {
@@ -34,21 +37,35 @@ pub(super) fn page(report: &CompareReport, arguments: &[String]) -> Page {
     };
     let banner = Banner { tone, headline, text: capital(&report.sentence()) + ".", how: String::new() };
     let mut page = Page::of_refusal(&title, "compare", banner);
+    page.figures("Forces on top of each other", |sheet| curves(report, sheet).into_iter().collect());
     page.figures("Numbers beside each other", |sheet| numbers(report, sheet).into_iter().collect());
     if let CompareReport::Fleet(fleet) = report {
-        let rows = fleet.by_care().into_iter().map(|unit| {
+        let rows = shown(fleet).into_iter().map(|unit| {
             let Unit { name, status, .. } = &fleet.units[unit];
             let sign = if fleet.needs_care(unit) { "!" } else { "" };
             vec![words(sign), code(name), words(status), Cell::Text(why(fleet, unit))]
         });
-        let caption = "Machines: those that need care first, then by their largest deviation";
-        page.section("Machines", table(caption, &["", "machine", "status", "why"], rows.collect()));
+        let left = fleet.units.len().saturating_sub(rows.len());
+        let left = if left > 0 {
+            format!("; {left} more that do not stand out are in result.json")
+        } else {
+            String::new()
+        };
+        let caption = format!("Machines: those that need care first, then by their largest deviation{left}");
+        page.section("Machines", table(&caption, &["", "machine", "status", "why"], rows.collect()));
     }
     let lines = text::lines(report).join("\n");
     page.section("The comparison as text", [block(&lines, "comparison")]);
     let how = Invocation { arguments: arguments.to_vec(), ..Invocation::default() };
     page.section("To repeat it", command(None, "", None, &how));
     page
+}
+
+/// The machines that need care, and others up to a number that can be read.
+fn shown(fleet: &Fleet) -> Vec<usize> {
+    let order = fleet.by_care();
+    let need = order.iter().filter(|&&unit| fleet.needs_care(unit)).count();
+    order.into_iter().take(need.max(SHOWN)).collect()
 }
 
 /// A number of all machines.
@@ -86,7 +103,7 @@ fn panels(report: &CompareReport) -> Vec<Numbers> {
             vec![Numbers { name, unit, rows: rows.collect(), band: None }]
         }
         CompareReport::Fleet(fleet) => {
-            let order = fleet.by_care();
+            let order = shown(fleet);
             let of = |(k, spread): (usize, &phisindy_compare::Spread)| {
                 let numbers = |&unit: &usize| &fleet.population.members[unit].numbers;
                 let own = order.iter().flat_map(numbers).filter(|number| number.spread == k);

@@ -33,6 +33,11 @@ fn of_pair(pair: &Comparison, report: &CompareReport) -> Vec<String> {
     if rows.len() > 1 {
         out.push(String::new());
         out.extend(aligned(&rows));
+        let still = pair.changes.differences.iter().filter(|d| !d.changed).map(|d| d.name.as_str());
+        let still: Vec<&str> = still.collect();
+        if !still.is_empty() && pair.new.holds {
+            out.push(format!("not changed beyond these errors: {}", still.join(", ")));
+        }
         let chance = pair.changes.by_chance;
         let chance = if chance < 1e-12 { "below 1e-12".to_owned() } else { short(chance) };
         out.push("each change as if it were the only one beside those that are told".to_owned());

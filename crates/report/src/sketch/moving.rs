@@ -7,15 +7,15 @@ use phisindy_phys::System;
 use phisindy_phys::unit::{Dimension, Unit};
 
 /// A body of the system.
-pub(super) struct Moving {
+pub(crate) struct Moving {
     /// Its displacement, where the system has one.
-    pub(super) displacement: Option<usize>,
-    pub(super) speed: usize,
+    pub(crate) displacement: Option<usize>,
+    pub(crate) speed: usize,
     /// What turns a force into its rate, where that is known.
-    pub(super) mass: Option<Id>,
+    pub(crate) mass: Option<Id>,
     /// The forces on it, one by one; rates where no mass is known.
-    pub(super) forces: Vec<Id>,
-    pub(super) turns: bool,
+    pub(crate) forces: Vec<Id>,
+    pub(crate) turns: bool,
 }
 
 /// The dimension of a unit as the spec writes it.

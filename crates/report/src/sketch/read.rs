@@ -28,27 +28,33 @@ pub(super) struct Reading {
 impl Reading {
     /// The known part of a case.
     pub(super) fn new(spec: &Spec, case: &Case, found: Numbers) -> Reading {
-        let Named { mut system, mut values } = named(spec)
-            .unwrap_or_else(|| Named { system: case.system.clone(), values: own_values(&case.system) });
-        values.extend(found.values);
-        let numbers = Numbers { values, errors: found.errors };
-        let probe = Probe::new(&system, &numbers.values);
-        let mut bodies = bodies(&mut system, &probe);
-        if bodies.len() > BODIES {
-            bodies.clear();
+        let mut all = Reading::read(spec, case, found);
+        if all.bodies.len() > BODIES {
+            all.bodies.clear();
         }
-        let bases = bases(&system, &bodies, &case.records);
+        let bases = bases(&all.system, &all.bodies, &case.records);
         let name = |&(x, v): &(Option<usize>, Option<usize>)| {
-            x.or(v).map_or(String::new(), |k| unicode::name(&system.inputs[k].name))
+            x.or(v).map_or(String::new(), |k| unicode::name(&all.system.inputs[k].name))
         };
-        let scheme = Scheme { bases: bases.iter().map(name).collect(), ..Scheme::default() };
-        let mut all = Reading { system, numbers, probe, bodies, bases, scheme };
+        all.scheme.bases = bases.iter().map(name).collect();
+        all.bases = bases;
         all.add_bodies(&case.records);
         all.add_forces();
         all.add_links();
         all.add_contacts();
         all.add_blocks(&case.records);
         all
+    }
+
+    /// The same without a scheme.
+    pub(super) fn read(spec: &Spec, case: &Case, found: Numbers) -> Reading {
+        let Named { mut system, mut values } = named(spec)
+            .unwrap_or_else(|| Named { system: case.system.clone(), values: own_values(&case.system) });
+        values.extend(found.values);
+        let numbers = Numbers { values, errors: found.errors };
+        let probe = Probe::new(&system, &numbers.values);
+        let bodies = bodies(&mut system, &probe);
+        Reading { system, numbers, probe, bodies, bases: vec![], scheme: Scheme::default() }
     }
 
     pub(super) fn view(&mut self) -> (View<'_>, &mut Scheme, &Numbers) {
