@@ -23,6 +23,7 @@ mod headings;
 mod listing;
 mod matrix;
 mod merged;
+mod no_draft;
 mod question;
 mod records;
 mod refusal;
@@ -41,8 +42,9 @@ mod time_column;
 mod usage;
 
 pub use data_file::{DataFile, ReadSeek, unreadable};
-pub use draft::{Draft, NoDraft};
+pub use draft::Draft;
 pub use headings::{Heading, Quantity};
+pub use no_draft::NoDraft;
 pub use question::{Answers, CountUnit, Counted, OPEN_QUESTION, Question, time_unit};
 pub use records::RecordDraft;
 pub use remarks::Remark;

@@ -522,7 +522,9 @@ impl<'a> Problem<'a> {
             let record = self.records[r];
             let floor =
                 record.columns[k].as_deref().map_or(0.0, |c| least_noise(c, record.rounding(k), NOISE_FLOOR));
-            ColumnNoise::estimate(&c.residual, &c.prediction, floor)
+            // What is not compared leaves nothing, and tells no noise.
+            let from = self.told_from[r][k].min(c.residual.len());
+            ColumnNoise::estimate(&c.residual[from..], &c.prediction[from..], floor)
         };
         (0..self.records.len()).map(|r| (0..self.system.columns()).map(|k| of(r, k)).collect()).collect()
     }
