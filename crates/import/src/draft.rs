@@ -177,7 +177,8 @@ impl Draft {
                 (_, Input::Force(c)) if draft.roles.displacement.is_some() && draft.drive == Drive::Open => {
                     Some(Question::Force { motion, force: draft.raw(c).to_owned() })
                 }
-                _ if alone && !draft.motion.dies_out() => Some(Question::Drive { heading: motion }),
+                // Who names the columns has named no drive.
+                _ if alone && answers.columns.is_empty() && !draft.motion.dies_out() => Some(Question::Drive { heading: motion }),
                 _ => None,
             });
         }
@@ -190,7 +191,8 @@ impl Draft {
     /// alone.
     fn without_times(table: Table, answers: &Answers, why: NoTime) -> Result<Draft, NoDraft> {
         let of_tester = matches!(answers.rig, None | Some(Rig::Tester));
-        if !matches!(why, NoTime::NoRate { .. }) || !of_tester || answers.rate.is_some() {
+        let unsaid = table.stated_rates.is_empty() && answers.rate.is_none();
+        if !matches!(why, NoTime::NoRate { .. }) || !of_tester || !unsaid {
             return Err(NoDraft::Time(why));
         }
         let counted = Answers { rate: Some(1.0), columns: vec![], rig: Some(Rig::Tester), ..answers.clone() };
