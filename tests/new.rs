@@ -223,8 +223,10 @@ fn rows_that_lack_a_value_are_left_out() {
     });
     let (scratch, text, said) = made("dropouts", file.as_bytes());
     holds(&text, &["42 missing", "missing: Omit", "42 of 800 rows lack a value (first in line 9)"]);
-    let noise =
-        text.lines().find(|l| l.starts_with("// Weg [mm]")).and_then(|l| l.split_whitespace().nth(6)?.parse().ok());
+    let noise = text
+        .lines()
+        .find(|l| l.starts_with("// Weg [mm]"))
+        .and_then(|l| l.split_whitespace().nth(6)?.parse().ok());
     assert!(noise.is_some_and(|x: f64| (x / 5e-4 - 1.0).abs() < 0.2), "{noise:?} {text}");
     holds(&said.err, &["note: 42 of 800 rows"]);
     let run = phisindy(&["run", &scratch.path("rig.ron")]);

@@ -178,7 +178,9 @@ impl Draft {
                     Some(Question::Force { motion, force: draft.raw(c).to_owned() })
                 }
                 // Who names the columns has named no drive.
-                _ if alone && answers.columns.is_empty() && !draft.motion.dies_out() => Some(Question::Drive { heading: motion }),
+                _ if alone && answers.columns.is_empty() && !draft.motion.dies_out() => {
+                    Some(Question::Drive { heading: motion })
+                }
                 _ => None,
             });
         }
@@ -191,8 +193,9 @@ impl Draft {
     /// alone.
     fn without_times(table: Table, answers: &Answers, why: NoTime) -> Result<Draft, NoDraft> {
         let of_tester = matches!(answers.rig, None | Some(Rig::Tester));
-        let unsaid = table.stated_rates.is_empty() && answers.rate.is_none();
-        if !matches!(why, NoTime::NoRate { .. }) || !of_tester || !unsaid {
+        // Rows that are counted were sampled in time.
+        let none = matches!(&why, NoTime::NoRate { counter: None, stated } if stated.is_empty());
+        if !none || !of_tester || answers.rate.is_some() {
             return Err(NoDraft::Time(why));
         }
         let counted = Answers { rate: Some(1.0), columns: vec![], rig: Some(Rig::Tester), ..answers.clone() };
@@ -202,7 +205,9 @@ impl Draft {
             };
             let measures = |c: usize| draft.table.columns[c].heading.quantity;
             let known = [(Quantity::Length, Quantity::Force), (Quantity::Angle, Quantity::Torque)];
-            known.contains(&(measures(way), measures(force))) && loses(draft.values(way), draft.values(force))
+            known.contains(&(measures(way), measures(force)))
+                && draft.motion.drive() != Drive::Body
+                && loses(draft.values(way), draft.values(force))
         };
         let mut draft = match Draft::with_answers(table, &counted, &|_| {}) {
             Ok(draft) if is_one(&draft) => draft,
