@@ -223,8 +223,10 @@ fn rows_that_lack_a_value_are_left_out() {
     });
     let (scratch, text, said) = made("dropouts", file.as_bytes());
     holds(&text, &["42 missing", "missing: Omit", "42 of 800 rows lack a value (first in line 9)"]);
-    let noise =
-        text.lines().find(|l| l.contains("Weg [mm]")).and_then(|l| l.split_whitespace().nth(6)?.parse().ok());
+    let noise = text
+        .lines()
+        .find(|l| l.starts_with("// Weg [mm]"))
+        .and_then(|l| l.split_whitespace().nth(6)?.parse().ok());
     assert!(noise.is_some_and(|x: f64| (x / 5e-4 - 1.0).abs() < 0.2), "{noise:?} {text}");
     holds(&said.err, &["note: 42 of 800 rows"]);
     let run = phisindy(&["run", &scratch.path("rig.ron")]);
@@ -449,9 +451,9 @@ fn bad_files_are_refused_with_the_place_and_what_to_do() {
         ),
         (
             "dates",
-            table("time,x_mm", 50, |k, t| format!("05/06/2024 12:00:{k},{}", t.sin())).into(),
+            table("time,x_mm", 50, |k, t| format!("June 5 12:00:{k},{}", t.sin())).into(),
             &[
-                "`time` holds the text `05/06/2024 12:00:0` in line 2",
+                "`time` holds the text `June 5 12:00:0` in line 2",
                 "`time` should be time",
                 "number of seconds",
             ],
@@ -625,7 +627,7 @@ fn nothing_is_overwritten_without_force() {
     let (printed, dashed) = (phisindy(&["new", &data, "--quiet"]), phisindy(&["new", &data, "--out", "-"]));
     assert_eq!((printed.code, printed.err.as_str()), (0, ""));
     assert_eq!(printed.out, dashed.out);
-    assert!(printed.out.starts_with("// Written by `phisindy new rig.csv`"), "{}", printed.out);
+    assert!(printed.out.contains("// Written by `phisindy new rig.csv`"), "{}", printed.out);
     let folder = phisindy(&["new", &data, "--out", scratch.0.to_str().expect("UTF-8")]);
     assert_eq!(folder.code, 2);
     holds(&folder.err, &["is a folder"]);

@@ -277,3 +277,61 @@ fn what_drives_is_read_before_a_window() {
         assert!(said.code == 0 && near, "{sensor}: {found} +- {error}\n{}\n{}", said.out, said.err);
     }
 }
+
+/// What a controller puts out: another level every 48 ms, none before the log begins.
+fn level(t: f64) -> f64 {
+    let mixed = (((t / 0.048).floor() as i64 + 7) as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    match t {
+        t if t < 0.0 => 0.0,
+        _ => 16.0 * (((mixed ^ (mixed >> 29)) >> 11) as f64 / (1_u64 << 53) as f64 - 0.5),
+    }
+}
+
+/// A log of the command, at 250 Hz, and of the places of 1.5 kg on 50 N/m with friction on which it acts 20 ms later.
+fn late_command(seconds: f64, dice: &mut Dice) -> String {
+    let (h, m, k, c) = (1e-5, 1.5, 50.0, 0.5);
+    let [mut x, mut v] = [0.0_f64; 2];
+    let mut text = "t,cmd,x\n".to_owned();
+    for i in 0..(seconds / h) as usize {
+        let now = i as f64 * h;
+        if i % 400 == 0 {
+            let _ = writeln!(text, "{now:.3},{},{}", level(now + 1e-9), x + 2e-5 * dice.normal());
+        }
+        let free = v + h * (level(now + 0.5 * h - 0.02) - k * x - c * v) / m;
+        let most = h * FRICTION / m;
+        v = free - free.clamp(-most, most);
+        x += h * v;
+    }
+    text
+}
+
+#[test]
+fn a_held_command_that_is_late_is_found() {
+    let text = late_command(12.0, &mut Dice::new(8));
+    let record = |sensor: &str| {
+        let of = |window: &str, role: &str| {
+            format!(
+                "Csv(path: \"log.csv\", name: \"{role}\", time: \"t\", columns: {{ \"x\": \"x\", \"F\": \"cmd\" }}, interpolate: {{ \"F\": Hold }}, sensors: {{ {sensor} }}, window: {window}, role: {role})"
+            )
+        };
+        format!("{}, {}", of("(0.0, 8.0)", "Fit"), of("(8.0, 12.0)", "Validate"))
+    };
+    let files = [("log.csv", &*text)];
+    let found = record("\"F\": (delay: Find(start: 0.0, within: (-0.2, 0.2)))");
+    let said = run("run", "streams-held", &found, &files);
+    let ((found, error), (delay, of_delay)) = (friction(&said), sensor(&said, "F.delay"));
+    assert!(
+        said.code == 0 && (found - FRICTION).abs() < 4.0 * error && error < 0.005,
+        "{found} +- {error}\n{}",
+        said.err
+    );
+    assert!((delay + 0.02).abs() < 4.0 * of_delay && of_delay < 1e-4, "{delay} +- {of_delay}");
+    // Nobody says that anything is late, or that there is friction.
+    let said = run("gap", "streams-held-gap", &record(""), &files);
+    let json: Value =
+        serde_json::from_str(&said.out).unwrap_or_else(|_| panic!("{}\n{}", said.out, said.err));
+    let laws: Vec<&str> =
+        json["steps"].as_array().into_iter().flatten().filter_map(|s| s["law"].as_str()).collect();
+    assert!(said.code == 0 && laws.len() == 2 && laws.contains(&"coulomb"), "{json:#}");
+    assert!(laws.contains(&"input-delay") || laws.contains(&"sensor-delay"), "{laws:?}");
+}

@@ -8,9 +8,8 @@ use clap::error::ErrorKind;
 use clap::parser::ValueSource;
 use clap::{CommandFactory, Parser, Subcommand, ValueEnum};
 use phisindy::files::{Assignment, Naming, Request, open_plain_file};
-use phisindy_import::{Answers, CountUnit};
+use phisindy_import::{Answers, CountUnit, Rig, time_unit};
 use phisindy_phys::spec::Method;
-use phisindy_phys::unit::Unit;
 use phisindy_report::export::{EXPORTERS, Exporter};
 use phisindy_report::{Look, Plan, RESULT};
 use std::io;
@@ -360,9 +359,9 @@ impl Command {
 /// For which file to find what is missing.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct GoArgs {
-    /// Data file, as for `phisindy new`
-    #[arg(value_name = "DATA")]
-    pub(crate) path: PathBuf,
+    /// Data files, as for `phisindy new`
+    #[arg(value_name = "DATA", required = true)]
+    pub(crate) paths: Vec<PathBuf>,
     /// Sheet of a workbook, or variable, structure, group of another file
     #[arg(long, value_name = "NAME")]
     pub(crate) sheet: Option<String>,
@@ -376,9 +375,10 @@ pub(crate) struct GoArgs {
 /// For which file to write a spec.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct NewArgs {
-    /// Data file: text with any separator, a workbook, MATLAB, NumPy, TDMS, universal file, HDF5, Parquet
-    #[arg(value_name = "DATA")]
-    pub(crate) path: PathBuf,
+    /// Data file: text with any separator, a workbook, MATLAB, NumPy, TDMS, universal file, HDF5, Parquet; or several of
+    /// one rig
+    #[arg(value_name = "DATA", required = true)]
+    pub(crate) paths: Vec<PathBuf>,
     /// Sheet of a workbook, or variable, structure, group of another file
     #[arg(long, value_name = "NAME")]
     pub(crate) sheet: Option<String>,
@@ -401,6 +401,9 @@ pub(crate) struct Said {
     /// Counts of an encoder in a turn or a length, 4096/rev, 200/mm; of one of several, enc_motor=4096/rev
     #[arg(long, value_name = "N/UNIT", value_parser = counts)]
     pub(crate) counts: Vec<CountUnit>,
+    /// Kind of rig: slider, pendulum, motor, base-excited, quarter-car, tester, robot-joint, free [default: guessed]
+    #[arg(long, value_name = "KIND", value_parser = rig)]
+    pub(crate) rig: Option<Rig>,
 }
 
 impl Said {
@@ -411,15 +414,14 @@ impl Said {
             columns: self.columns.clone(),
             time_unit: self.time_unit.clone(),
             counts: self.counts.clone(),
+            rig: self.rig,
         }
     }
 }
 
-/// A unit of time.
-fn time_unit(text: &str) -> Result<String, String> {
-    let second = Unit::parse("s").map(|unit| unit.dimension).ok();
-    let unit = Unit::parse(text).ok().filter(|unit| Some(unit.dimension) == second);
-    unit.map(|_| text.trim().to_owned()).ok_or("a unit of time, such as s, ms, us, ns".to_owned())
+/// A kind of rig.
+fn rig(text: &str) -> Result<Rig, String> {
+    Rig::parse(text)
 }
 
 /// How many counts are a turn, a length or an acceleration; the unit of one count.

@@ -6,7 +6,7 @@ use crate::repeat::repeatability;
 use crate::whiteness::lines;
 use phisindy_learn::{Calibration, SensorPart};
 use phisindy_phys::{Record, System};
-use phisindy_signal::noise_level;
+use phisindy_signal::{Interpolation, noise_level};
 
 /// The motion of one record.
 pub(crate) struct Motion {
@@ -14,7 +14,7 @@ pub(crate) struct Motion {
     pub(crate) time: Vec<f64>,
     /// Smoothed states, samples x n, with the sensors' offsets and gains removed.
     pub(crate) states: Vec<f64>,
-    /// Inputs at the samples, samples x inputs, and their slopes.
+    /// Inputs at the samples, samples x inputs, and their slopes; of held ones the mean slope around a sample.
     pub(crate) inputs: Vec<f64>,
     pub(crate) slopes: Vec<f64>,
     /// The system's parameters, then the record's constants.
@@ -92,13 +92,17 @@ impl Motion {
         }
         let m = record.inputs.len();
         let (mut inputs, mut slopes) = (vec![0.0; samples * m], vec![0.0; samples * m]);
+        let step = (record.time[samples - 1] - record.time[0]) / (samples - 1).max(1) as f64;
         for (k, signal) in record.inputs.iter().enumerate() {
             let mut hint = 0;
             for (i, &t) in record.time.iter().enumerate() {
                 (inputs[i * m + k], slopes[i * m + k]) = signal.value_and_slope(t, &mut hint);
+                if signal.kind() == Interpolation::Hold {
+                    // Its steps count in the interval around a sample.
+                    slopes[i * m + k] = (signal.value(t + 0.5 * step) - signal.value(t - 0.5 * step)) / step;
+                }
             }
         }
-        let step = (record.time[samples - 1] - record.time[0]) / (samples - 1).max(1) as f64;
         let measured = record.columns.iter().flatten().next();
         let strongest = measured.and_then(|c| lines(c, step, 1, 0).first().copied());
         let period = strongest.map_or(step * samples as f64, |w| 2.0 * std::f64::consts::PI / w);

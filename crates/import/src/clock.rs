@@ -56,12 +56,42 @@ fn stamp(text: &str) -> Option<(Option<i128>, i128)> {
     text.contains(':').then_some(())?;
     let text = text.trim();
     let (date, time) = match text.split_once(['T', ' ']) {
-        Some((date, time)) => (Some(day(date)?), time.trim()),
-        None => (None, text),
+        Some((date, time)) if date.contains(':') => (None, [date, " ", time].concat()),
+        Some((date, time)) if is_unclear_day(date) => (None, time.trim().to_owned()),
+        Some((date, time)) => (Some(day(date)?), time.trim().to_owned()),
+        None => (None, text.to_owned()),
     };
+    let (time, half) = half_day(&time);
     let (time, zone) = zone(time)?;
     let time = time_of_day(time)?;
+    let noon = DAY / 2;
+    let time = match half {
+        None => time,
+        // Twelve o'clock is the first hour of each half.
+        Some(half) if (SECOND * 3600..noon + SECOND * 3600).contains(&time) => time % noon + half,
+        Some(_) => return None,
+    };
     Some((date, date.unwrap_or(0) * DAY + time - zone))
+}
+
+/// A time of twelve hours without its `AM` or `PM`, and where that half of the day begins.
+fn half_day(text: &str) -> (&str, Option<i128>) {
+    let Some(at) = text.len().checked_sub(2).filter(|at| text.is_char_boundary(*at)) else {
+        return (text, None);
+    };
+    match text[at..].to_ascii_lowercase().as_str() {
+        "am" => (text[..at].trim_end(), Some(0)),
+        "pm" => (text[..at].trim_end(), Some(DAY / 2)),
+        _ => (text, None),
+    }
+}
+
+/// Whether a date begins with the day or the month, and none knows which: the time of the day alone counts then.
+fn is_unclear_day(text: &str) -> bool {
+    let parts: Vec<&str> = text.split('/').collect();
+    let number = |(part, most): (&&str, i128)| whole(part, 2).is_some_and(|n| (1..=most).contains(&n));
+    matches!(parts[..], [a, b, year] if [&a, &b].into_iter().zip([31, 31]).all(number) && matches!(year.len(), 2 | 4)
+        && whole(year, 4).is_some())
 }
 
 /// The time without its zone, and the zone's distance from Greenwich in nanoseconds.
@@ -95,8 +125,7 @@ fn time_of_day(text: &str) -> Option<i128> {
     Some(((hours * 60 + minutes) * 60 + seconds) * SECOND + nano)
 }
 
-/// The number of a day: year, month, day, or day, month, year with points. Of dates with slashes that begin
-/// with the day or the month none knows which.
+/// The number of a day: year, month, day, or day, month, year with points.
 fn day(text: &str) -> Option<i128> {
     let of = |mark: char| -> Option<[&str; 3]> { text.split(mark).collect::<Vec<_>>().try_into().ok() };
     let (year, month, day) = match (of('-').or_else(|| of('/')), of('.')) {
@@ -141,6 +170,14 @@ mod tests {
         let days = ["23:59:59.9", "00:00:00.1", "12:00:00", "23:00:00", "01:00:00"];
         assert_eq!(seconds(&days), [0.0, 0.2, 43200.1, 82800.1, 90000.1]);
         assert_eq!(seconds(&["2025-12-31T23:59:59", "2026-01-01T00:00:00.000001"]), [0.0, 1.000001]);
+        // Of the month before the day or the day before the month the time is the same.
+        let unclear = [
+            "03/11/2024 11:59:59.5 PM",
+            "03/12/2024 12:00:00 AM",
+            "03/12/2024 11:30:00 am",
+            "3/12/24 1:00 PM",
+        ];
+        assert_eq!(seconds(&unclear), [0.0, 0.5, 41400.5, 46800.5]);
         // A logger that repeats or mixes up rows is not set to the next day.
         assert_eq!(seconds(&["10:00:01", "10:00:01", "10:00:00"]), [0.0, 0.0, -1.0]);
     }
@@ -173,7 +210,9 @@ mod tests {
             "1e3",
             "10:61:00",
             "10:00:61",
-            "05/06/2024 10:00:00",
+            "45/06/2024 10:00:00",
+            "13:00:00 PM",
+            "0:30 AM",
             "2024-13-01 10:00:00",
             "10:-1:00",
             "a:b",

@@ -2,17 +2,18 @@
 
 use crate::headings::{COUNT, Heading, Quantity, factor};
 use crate::merged::thinned;
+use crate::no_draft::{NoDraft, blocking, channel_of_each_row};
 use crate::question::{Answers, Counted, Question};
 use crate::records::{RecordDraft, Records};
 use crate::remarks::Remark;
-use crate::roles::{ENCODERS, Evidence, Input, NoMotion, Roles};
-use crate::start_values::{Drive, Estimate, Motion};
+use crate::rig::Rig;
+use crate::roles::{Doubt, ENCODERS, Evidence, Input, Roles};
+use crate::start_values::{Drive, Estimate, Motion, loses};
 use crate::statistics::{Statistics, Stops, stops};
 use crate::table::{Column, Table};
 use crate::time_column::{NoTime, TimeColumn, is_whole};
 use crate::usage::Usage;
-use phisindy_expr::Span;
-use phisindy_phys::{Diagnostic, SourceId, Wrap, wraps};
+use phisindy_phys::{Wrap, wraps};
 use phisindy_signal::{integral, moves_by_jumps, strongest_line, twice_integrated};
 use std::ops::Range;
 
@@ -77,7 +78,10 @@ impl Draft {
     pub fn with_answers(mut table: Table, answers: &Answers, tell: &dyn Fn(f64)) -> Result<Draft, NoDraft> {
         name_columns(&mut table, &answers.columns).map_err(NoDraft::Columns)?;
         counts(&mut table, answers);
-        let time = TimeColumn::find(&mut table, answers.rate).map_err(NoDraft::Time)?;
+        let time = match TimeColumn::find(&mut table, answers.rate) {
+            Ok(time) => time,
+            Err(why) => return Draft::without_times(table, answers, why),
+        };
         let time = time.with_unit(&mut table, answers.time_unit.as_deref());
         let time = time.usable(&table).map_err(NoDraft::Time)?;
         let merged = if time.reversals.is_empty() { thinned(&mut table, time.column) } else { None };
@@ -96,10 +100,13 @@ impl Draft {
         if let Some(mistake) = blocking(&table, &statistics) {
             return Err(NoDraft::Text(Box::new(mistake)));
         }
+        if let Some((heading, names)) = channel_of_each_row(&table, &time) {
+            return Err(NoDraft::ChannelOfEachRow { heading, names });
+        }
         let longest_run = longest.clone();
         let guessed = |table: &Table| {
             let evidence = Evidence { table, time: &time, statistics: &statistics, run: &longest };
-            Roles::guess(&evidence).map_err(NoDraft::Motion)
+            Roles::guess(&evidence, answers.rig).map_err(NoDraft::Motion)
         };
         let mut roles = guessed(&table)?;
         let mut questions = vec![];
@@ -159,11 +166,57 @@ impl Draft {
             .chain(remarks)
             .collect();
         if let Some((good, moving)) = first {
-            draft.estimate_start(good, moving);
+            draft.estimate_start(good, moving, answers.rig);
             draft.decimate = draft.decimation(longest);
+        }
+        let alone = matches!(draft.roles.input, Input::None) && draft.roles.selector.is_none();
+        if answers.rig.is_none() && draft.questions.is_empty() {
+            let motion = draft.raw(draft.moving()).to_owned();
+            draft.questions.extend(match (&draft.roles.input_doubt, draft.roles.input) {
+                (Some(Doubt::Base(base)), _) => Some(Question::Base { body: motion, base: base.clone() }),
+                (_, Input::Force(c)) if draft.roles.displacement.is_some() && draft.drive == Drive::Open => {
+                    Some(Question::Force { motion, force: draft.raw(c).to_owned() })
+                }
+                // Who names the columns has named no drive.
+                _ if alone && answers.columns.is_empty() && !draft.motion.dies_out() => {
+                    Some(Question::Drive { heading: motion })
+                }
+                _ => None,
+            });
         }
         // A tester is known by its numbers alone.
         draft.usages = draft.usages(&longest_run);
+        Ok(draft)
+    }
+
+    /// The draft of a file without times: that of slow cycles of a tester, whose force hangs on the order of the rows
+    /// alone.
+    fn without_times(table: Table, answers: &Answers, why: NoTime) -> Result<Draft, NoDraft> {
+        let of_tester = matches!(answers.rig, None | Some(Rig::Tester));
+        // Rows that are counted were sampled in time.
+        let none = matches!(&why, NoTime::NoRate { counter: None, stated } if stated.is_empty());
+        if !none || !of_tester || answers.rate.is_some() {
+            return Err(NoDraft::Time(why));
+        }
+        let counted = Answers { rate: Some(1.0), columns: vec![], rig: Some(Rig::Tester), ..answers.clone() };
+        let is_one = |draft: &Draft| {
+            let (Some(way), Input::Reaction(force)) = (draft.roles.displacement, draft.roles.input) else {
+                return false;
+            };
+            let measures = |c: usize| draft.table.columns[c].heading.quantity;
+            let known = [(Quantity::Length, Quantity::Force), (Quantity::Angle, Quantity::Torque)];
+            known.contains(&(measures(way), measures(force)))
+                && draft.motion.drive() != Drive::Body
+                && loses(draft.values(way), draft.values(force))
+        };
+        let mut draft = match Draft::with_answers(table, &counted, &|_| {}) {
+            Ok(draft) if is_one(&draft) => draft,
+            _ => return Err(NoDraft::Time(why)),
+        };
+        if let Drive::Tester { damping, .. } = &mut draft.drive {
+            *damping = None;
+        }
+        draft.remarks.push(Remark::NoTimes);
         Ok(draft)
     }
 
@@ -293,7 +346,7 @@ impl Draft {
 
     /// Estimates the start values from the first record: from its good rows, and of these from the rows in
     /// motion.
-    fn estimate_start(&mut self, good: Range<usize>, moving: Range<usize>) {
+    fn estimate_start(&mut self, good: Range<usize>, moving: Range<usize>, rig: Option<Rig>) {
         // A stretch without gaps may be too short to tell anything: then the rows that have all numbers must
         // do.
         let used: Vec<usize> = self.roles.used().chain([self.time.column]).collect();
@@ -316,9 +369,9 @@ impl Draft {
             Input::Force(c) | Input::Drive(c) | Input::Reaction(c) => (None, Some(column(c))),
         };
         let whole = self.displacement_range();
-        let is_pendulum = self.roles.is_angle
-            && self.roles.displacement.is_some()
-            && (LARGE_ANGLE..ROUND).contains(&(0.5 * (whole.1 - whole.0)));
+        let large = || (LARGE_ANGLE..ROUND).contains(&(0.5 * (whole.1 - whole.0)));
+        let hangs = rig.and_then(Rig::hangs).unwrap_or_else(large);
+        let is_pendulum = self.roles.is_angle && self.roles.displacement.is_some() && hangs;
         let grow = time.windows(2).position(|w| w[1] <= w[0]).map_or(time.len(), |k| k + 1);
         time.truncate(grow);
         let line = strongest_line(&time, &displacement[..grow.min(displacement.len())]);
@@ -339,13 +392,18 @@ impl Draft {
             frequency: line.map(|l| l.frequency),
         };
         self.estimate = self.motion.estimate();
-        if let (Input::Force(c), Some(_), false) =
-            (self.roles.input, self.roles.displacement, self.roles.is_angle)
-        {
-            self.drive = self.motion.drive();
-            if let Drive::Tester { .. } = self.drive {
-                self.roles.input = Input::Reaction(c);
+        if rig == Some(Rig::Motor) {
+            self.estimate.stiffness = None;
+        }
+        match (self.roles.input, self.roles.displacement, self.roles.is_angle) {
+            (Input::Reaction(_), ..) => self.drive = self.motion.tester(),
+            (Input::Force(c), Some(_), false) if rig.is_none() => {
+                self.drive = self.motion.drive();
+                if let Drive::Tester { .. } = self.drive {
+                    self.roles.input = Input::Reaction(c);
+                }
             }
+            _ => {}
         }
     }
 
@@ -422,71 +480,4 @@ fn is_counted(heading: &Heading) -> bool {
         .as_deref()
         .and_then(|own| own.strip_prefix(COUNT))
         .is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
-}
-
-/// Why there is no draft for a table.
-#[derive(Debug)]
-pub enum NoDraft {
-    /// No column can be the time.
-    Time(NoTime),
-    /// No column can be the motion.
-    Motion(NoMotion),
-    /// A column that a model may need holds text.
-    Text(Box<Diagnostic>),
-    /// So many names are said for so many columns.
-    Columns((usize, usize)),
-}
-
-impl NoDraft {
-    /// As a diagnostic for the file `name`; the last argument is where the user named it.
-    pub fn diagnostic(self, name: &str, (source, at): (SourceId, Span)) -> Box<Diagnostic> {
-        let (message, help) = match self {
-            NoDraft::Time(NoTime::Text { heading, mistake }) => {
-                return Box::new(mistake.help(format!(
-                    "`{heading}` should be time: write it as a number of seconds, or say how many rows there are in a second: `phisindy new --rate HZ`"
-                )));
-            }
-            NoDraft::Time(why @ NoTime::NotGrowing { falls: true, .. }) => {
-                (why.to_string(), "turn the order of the rows round, so that the first sample stands first")
-            }
-            NoDraft::Time(why @ NoTime::NoRate { .. }) => (
-                why.to_string(),
-                "say it: `phisindy new --rate 1000Hz`, or write `# fs = 1000 Hz` above the heading",
-            ),
-            NoDraft::Time(why) => (
-                why.to_string(),
-                "add a column `time_s`, in seconds from the start, that grows from row to row; if the rows are even, say how many there are in a \
-                 second: `phisindy new --rate HZ`",
-            ),
-            NoDraft::Motion(why) => (
-                why.to_string(),
-                "a record needs a column of displacement or velocity; say which one in the heading, as in `x_mm` or `v [m/s]`",
-            ),
-            NoDraft::Text(mistake) => return mistake,
-            NoDraft::Columns((names, columns)) => (
-                format!("{names} names are said for {columns} columns"),
-                "give `--columns` a name for each column in order, as in `time_s,x_mm,F_N`, and `-` for one \
-                 that is not used",
-            ),
-        };
-        Box::new(Diagnostic::error(format!("`{name}`: {message}")).at(source, at, "this file").help(help))
-    }
-}
-
-/// The first text in a column that a model may need and that otherwise holds numbers: a run would stop there.
-fn blocking(table: &Table, statistics: &[Statistics]) -> Option<Diagnostic> {
-    let good = |c: usize| table.rows() - statistics[c].missing;
-    let needed = |c: usize| {
-        let quantity = table.columns[c].heading.quantity;
-        !matches!(quantity, Quantity::Electric | Quantity::Acceleration | Quantity::Other)
-    };
-    let mixed = |c: usize| table.columns[c].text_cells > 0 && good(c) > 9 * table.columns[c].text_cells;
-    let column = (0..table.columns.len()).find(|&c| needed(c) && mixed(c))?;
-    let mistake = table.columns[column].first_text.clone()?;
-    let more = table.columns[column].text_cells - 1;
-    Some(if more > 0 {
-        mistake.help(format!("{more} more cells of this column hold words"))
-    } else {
-        mistake
-    })
 }

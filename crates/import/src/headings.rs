@@ -47,7 +47,8 @@ pub struct Heading {
 impl Heading {
     /// Reads headings such as `x [mm]`, `Force (kN)`, `t/s`, `theta_rad`, `v_m_per_s`, or a name alone.
     pub fn parse(raw: &str) -> Heading {
-        let text = raw.trim();
+        // MATLAB writes `Time (s)` as `Time_s_`.
+        let text = raw.trim().trim_end_matches('_');
         // `v_mm/s` is a velocity in mm/s, not `v_mm` in seconds.
         let rate = || suffixed(text).or_else(|| after_blank(text)).filter(|(_, u)| is_quotient(u.as_deref()));
         let split = bracketed(text).or_else(rate).or_else(|| quotient(text));
@@ -272,7 +273,12 @@ pub(crate) fn normalized(text: &str) -> Option<String> {
     // Raised digits and words, as specs write them: `s⁻²` is `s^-2`.
     const PLAIN: [(&str, &str); 7] =
         [("²", "^2"), ("³", "^3"), ("⁻¹", "^-1"), ("⁻^", "^-"), ("**", "^"), ("·", "*"), (" per ", "/")];
-    let text = PLAIN.iter().fold(text.trim().to_owned(), |text, (from, to)| text.replace(from, to));
+    let mut text = PLAIN.iter().fold(text.trim().to_owned(), |text, (from, to)| text.replace(from, to));
+    // Where powers stand a blank multiplies: `rad s^-1`, `m s-2`.
+    if text.contains(['^', '-']) {
+        let parts: Vec<String> = text.split_whitespace().map(negative_power).collect();
+        text = parts.join("*");
+    }
     let word = match spelling(&text) {
         // `rad/sec`: each part has a spelling of its own.
         same if same == text && text.contains('/') => {
@@ -282,6 +288,20 @@ pub(crate) fn normalized(text: &str) -> Option<String> {
     };
     (!word.is_empty() && !word.starts_with(|c: char| c.is_ascii_digit()) && Unit::parse(&word).is_ok())
         .then_some(word)
+}
+
+/// `s-1` is `s^-1`.
+fn negative_power(word: &str) -> String {
+    match word.split_once('-') {
+        Some((unit, power))
+            if unit.chars().all(char::is_alphabetic)
+                && !unit.is_empty()
+                && matches!(power, "1" | "2" | "3") =>
+        {
+            format!("{unit}^-{power}")
+        }
+        _ => word.to_owned(),
+    }
 }
 
 /// `s2` is `s^2`, and `sec^2` is it too.
@@ -432,6 +452,11 @@ mod tests {
             ("timestamp_us", "timestamp", Some("us"), Quantity::Time),
             ("time (μsec)", "time", Some("us"), Quantity::Time),
             ("stamp_nsec", "stamp", Some("ns"), Quantity::Time),
+            ("w_x [rad s^-1]", "w_x", Some("rad*s^-1"), Quantity::AngularSpeed),
+            ("a (m s-2)", "a", Some("m*s^-2"), Quantity::Acceleration),
+            ("n [min-1]", "n", Some("rpm"), Quantity::AngularSpeed),
+            ("Angle_deg_", "angle", Some("deg"), Quantity::Angle),
+            ("Velocity_m_s_", "velocity", Some("m/s"), Quantity::Speed),
         ] {
             let h = Heading::parse(raw);
             assert_eq!((h.name.as_str(), h.unit.as_deref(), h.quantity), (name, unit, kind), "{raw}");

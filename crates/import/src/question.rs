@@ -1,6 +1,7 @@
 //! Questions that a data file leaves open, and the answers of the user.
 
 use crate::headings::{ACCELERATIONS, Heading, Quantity};
+use crate::rig::Rig;
 use phisindy_phys::unit::Unit;
 use std::fmt;
 
@@ -24,6 +25,25 @@ pub enum Question {
         headings: Vec<String>,
         /// Number of columns of the file.
         all: usize,
+    },
+    /// Nothing that drives the motion is measured, and it does not die out.
+    Drive {
+        /// Heading of the motion.
+        heading: String,
+    },
+    /// Of two displacements no heading says whether one is the base of the other.
+    Base {
+        /// Heading of the motion.
+        body: String,
+        /// Heading of what may be the base.
+        base: String,
+    },
+    /// The numbers do not tell whether a force drives the motion or is what a prescribed motion meets.
+    Force {
+        /// Heading of the motion.
+        motion: String,
+        /// Heading of the force.
+        force: String,
     },
     /// The unit in the heading of the time makes no record of a motion.
     TimeUnit {
@@ -66,6 +86,21 @@ impl fmt::Display for Question {
                 let list = list.collect::<Vec<_>>().join(", ");
                 write!(f, "no heading says what {list}{more} are: which one moves, and what drives it?")
             }
+            Question::Drive { heading } => {
+                write!(
+                    f,
+                    "`{heading}` does not die out, and nothing that drives it is measured: what drives it?"
+                )
+            }
+            Question::Base { body, base } => {
+                write!(f, "`{body}` and `{base}` both move: is `{base}` the base that moves the other?")
+            }
+            Question::Force { motion, force } => {
+                write!(
+                    f,
+                    "does `{force}` drive `{motion}`, or is it what the prescribed motion `{motion}` meets?"
+                )
+            }
             Question::TimeUnit { heading, unit, step, taken } => write!(
                 f,
                 "the heading `{heading}` says {unit}, and steps of {step} {unit} make no record of a motion: \
@@ -89,10 +124,47 @@ impl Question {
                 "say `--columns time_s,x_mm,F_N`, a name with its unit for each of the {all} columns, \
                  and `-` for one that is not used"
             ),
+            Question::Drive { .. } => {
+                "give a file with the force, the current or the motion of the base beside it, \
+                 or say `--rig free` if nothing does"
+                    .to_owned()
+            }
+            Question::Base { .. } => {
+                "say `--rig base-excited` if it is; else the kind of rig, or what the columns are, as in \
+                 `--columns time_s,x_mm,F_N`"
+                    .to_owned()
+            }
+            Question::Force { .. } => {
+                "say `--rig slider` if it drives a body, `--rig tester` if the motion is prescribed"
+                    .to_owned()
+            }
             Question::TimeUnit { .. } => {
                 "say `--time-unit us` (or s, ms, ns, min, h), or correct the heading".to_owned()
             }
         }
+    }
+
+    /// Adds what a user answers to what is known of the file: `4096/rev`, `us`, `time_s,x_mm,F_N`, `free`.
+    ///
+    /// # Errors
+    /// In words: what the answer should be.
+    pub fn answered(&self, text: &str, answers: &mut Answers) -> Result<(), String> {
+        match self {
+            Question::Counts { heading, .. } => {
+                let own = CountUnit::parse(text)?;
+                answers
+                    .counts
+                    .push(CountUnit { heading: own.heading.or_else(|| Some(heading.clone())), ..own });
+            }
+            Question::Columns { .. } => {
+                answers.columns = text.split(',').map(|name| name.trim().to_owned()).collect();
+            }
+            Question::Drive { .. } | Question::Base { .. } | Question::Force { .. } => {
+                answers.rig = Some(Rig::parse(text)?);
+            }
+            Question::TimeUnit { .. } => answers.time_unit = Some(time_unit(text)?),
+        }
+        Ok(())
     }
 
     /// How to answer in the spec of the draft.
@@ -108,6 +180,11 @@ impl Question {
             Question::Columns { .. } => {
                 "it is drafted as free, with the first of them as the motion".to_owned()
             }
+            Question::Drive { .. } => "it is drafted as free; delete this line if it is".to_owned(),
+            Question::Base { .. } => "it is drafted as one; delete this line if it is".to_owned(),
+            Question::Force { .. } => {
+                "it is drafted as a force on a body; delete this line if it is".to_owned()
+            }
             Question::TimeUnit { taken, .. } => {
                 format!("the records take {taken}; write the right unit there, and the windows in seconds")
             }
@@ -117,6 +194,16 @@ impl Question {
 
 /// Most headings in a question.
 const MOST_SHOWN: usize = 6;
+
+/// A unit of time, as a user says it.
+///
+/// # Errors
+/// In words: what is one.
+pub fn time_unit(text: &str) -> Result<String, String> {
+    let second = Unit::parse("s").map(|unit| unit.dimension).ok();
+    let unit = Unit::parse(text).ok().filter(|unit| Some(unit.dimension) == second);
+    unit.map(|_| text.trim().to_owned()).ok_or("a unit of time, such as s, ms, us, ns".to_owned())
+}
 
 /// What the user says of a file beside what it holds.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -130,6 +217,8 @@ pub struct Answers {
     pub time_unit: Option<String>,
     /// What a count is.
     pub counts: Vec<CountUnit>,
+    /// The kind of rig.
+    pub rig: Option<Rig>,
 }
 
 /// What a count of an encoder is.

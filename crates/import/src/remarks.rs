@@ -23,6 +23,8 @@ pub enum Remark {
         /// The assumed unit.
         unit: &'static str,
     },
+    /// The file has no times and is of slow cycles, for which one row a second does as well as any.
+    NoTimes,
     /// The stamps are coarser than the rows.
     CoarseTime(Coarse),
     /// No column is time, and the header states the rate.
@@ -111,6 +113,10 @@ impl fmt::Display for Remark {
                 f,
                 "the heading `{heading}` gives no unit: its numbers are taken for {unit} (for others name the unit in the heading or in the records, as in \
                  `(\"{heading}\", \"m{unit}\")`)"
+            ),
+            Remark::NoTimes => f.write_str(
+                "the file has no times: of slow cycles the force hangs on the way alone, so a row is taken for a second, and what hangs on the \
+                 speed means nothing (say how many rows there are in a second: `phisindy new --rate HZ`)",
             ),
             Remark::CoarseTime(Coarse { heading, step, rows: (least, most), rate }) => write!(
                 f,

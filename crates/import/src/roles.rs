@@ -4,6 +4,7 @@ mod evidence;
 mod names;
 
 use crate::headings::{Quantity, VELOCITIES};
+use crate::rig::Rig;
 pub(crate) use evidence::Evidence;
 use names::{ACCELERATIONS, BASES, DISPLACEMENTS, FORCES, OUTPUTS};
 pub(crate) use names::{COMMANDS, ENCODERS, is_word_of_a_role};
@@ -77,6 +78,13 @@ impl fmt::Display for Doubt {
 pub enum NoMotion {
     /// No column varies and holds numbers only.
     NoSignal,
+    /// The file lacks a column of the rig that the user says.
+    Lacks {
+        /// The rig.
+        rig: Rig,
+        /// What is not there.
+        what: &'static str,
+    },
 }
 
 impl fmt::Display for NoMotion {
@@ -85,6 +93,7 @@ impl fmt::Display for NoMotion {
             NoMotion::NoSignal => {
                 f.write_str("no column of motion is left: none varies and holds numbers only")
             }
+            NoMotion::Lacks { rig, what } => write!(f, "for `--rig {rig}` there is no column of {what}"),
         }
     }
 }
@@ -98,6 +107,8 @@ pub struct Roles {
     pub velocity: Option<usize>,
     /// Acceleration, if neither is measured.
     pub acceleration: Option<usize>,
+    /// The displacement of a second body, between the first one and the base.
+    pub wheel: Option<usize>,
     /// The input.
     pub input: Input,
     /// Whether the motion is an angle.
@@ -122,15 +133,16 @@ impl Roles {
 
     /// The columns that the model reads.
     pub fn used(&self) -> impl Iterator<Item = usize> {
-        self.moving().into_iter().chain(self.input.column())
+        self.moving().into_iter().chain(self.wheel).chain(self.input.column())
     }
 
     /// Signals whose role no name, no unit and no number tells, beside a displacement of which that is true
     /// too: what drives the motion may be among them.
     pub(crate) fn untold(&self, evidence: &Evidence<'_>) -> Vec<usize> {
+        // Volts are what any sensor gives.
         let nameless = |k: usize| {
             let heading = evidence.heading(k);
-            heading.quantity == Quantity::Unknown
+            matches!(heading.quantity, Quantity::Unknown | Quantity::Electric)
                 && !is_word_of_a_role(heading)
                 && !heading.has_word(COMMANDS)
                 && !heading.is_capital_t()
@@ -142,6 +154,7 @@ impl Roles {
         let others: Vec<usize> = evidence.signals().into_iter().filter(free).collect();
         match self.input {
             Input::None if !others.is_empty() => [moving].into_iter().chain(others).collect(),
+            Input::Drive(k) if nameless(k) => [moving].into_iter().chain(others).collect(),
             _ => vec![],
         }
     }
@@ -150,8 +163,8 @@ impl Roles {
     ///
     /// # Errors
     /// No column can be the motion.
-    pub(crate) fn guess(evidence: &Evidence<'_>) -> Result<Roles, NoMotion> {
-        Guess { evidence, signals: evidence.signals() }.roles()
+    pub(crate) fn guess(evidence: &Evidence<'_>, rig: Option<Rig>) -> Result<Roles, NoMotion> {
+        Guess { evidence, signals: evidence.signals(), rig }.roles()
     }
 }
 
@@ -159,6 +172,8 @@ struct Guess<'a> {
     evidence: &'a Evidence<'a>,
     /// Columns that hold a signal.
     signals: Vec<usize>,
+    /// What the user says.
+    rig: Option<Rig>,
 }
 
 impl Guess<'_> {
@@ -201,6 +216,10 @@ impl Guess<'_> {
         velocities.extend(derivatives);
         displacements.retain(|p| !velocities.contains(p));
         let (displacement, base, mut input_doubt) = self.body_and_base(&displacements);
+        let (base, wheel) = self.said_base(&displacements, displacement, base)?;
+        if self.rig.is_some() {
+            input_doubt = None;
+        }
         let is_angle = displacement.or(velocities.first().copied()).is_some_and(|k| self.is_angle(k));
         // Beside a displacement a velocity adds nothing: it was usually computed from it, with delay and
         // smoothing.
@@ -210,7 +229,9 @@ impl Guess<'_> {
         if !moves && acceleration.is_none() {
             return Err(NoMotion::NoSignal);
         }
-        let force = self.force(displacement, base, &velocities, &accelerations);
+        let beside =
+            |k: usize| Some(k) != displacement && !velocities.contains(&k) && !accelerations.contains(&k);
+        let force = self.said_force(self.force(displacement, base, &velocities, &accelerations), beside)?;
         // What moves in volts or counts has no mass in kilograms.
         let moving = displacement.or(velocity).or(acceleration);
         let mechanical = moving.is_some_and(|k| {
@@ -227,6 +248,9 @@ impl Guess<'_> {
             (None, Some(k)) => Input::Drive(k),
             (None, None) => Input::None,
         };
+        if let (Some(Rig::Tester), Some(k)) = (self.rig, force) {
+            input = Input::Reaction(k);
+        }
         if let (Input::Drive(k), None) = (input, &input_doubt) {
             input_doubt = Some(Doubt::Drive(raw(k)));
         }
@@ -239,6 +263,7 @@ impl Guess<'_> {
             displacement,
             velocity,
             acceleration,
+            wheel,
             input,
             is_angle,
             selector,
@@ -293,7 +318,48 @@ impl Guess<'_> {
     fn is_angle(&self, k: usize) -> bool {
         let names = ["theta", "phi", "angle", "alpha", "winkel", "thetadot", "omega"];
         matches!(self.quantity(k), Quantity::Angle | Quantity::AngularSpeed)
-            || (self.is_unclear(k) && self.named(k, &names))
+            || (self.is_unclear(k) && self.rig.and_then(Rig::turns).unwrap_or_else(|| self.named(k, &names)))
+    }
+
+    /// The base, and the wheel before it, as the rig that the user says has them.
+    fn said_base(
+        &self,
+        displacements: &[usize],
+        body: Option<usize>,
+        base: Option<usize>,
+    ) -> Result<(Option<usize>, Option<usize>), NoMotion> {
+        let Some(rig) = self.rig else { return Ok((base, None)) };
+        if !rig.has_base() {
+            return Ok((None, None));
+        }
+        let lacks = |what| NoMotion::Lacks { rig, what };
+        let last = || displacements.iter().copied().rfind(|k| Some(*k) != body);
+        let base = base.or_else(last).ok_or(lacks("the motion of the base"))?;
+        let between = || displacements.iter().copied().find(|k| Some(*k) != body && *k != base);
+        match rig {
+            Rig::QuarterCar => {
+                Ok((Some(base), Some(between().ok_or(lacks("the displacement of the wheel"))?)))
+            }
+            _ => Ok((Some(base), None)),
+        }
+    }
+
+    /// The force or drive as the rig that the user says has it: one that must be there may have any name.
+    fn said_force(
+        &self,
+        force: Option<usize>,
+        beside: impl Fn(usize) -> bool,
+    ) -> Result<Option<usize>, NoMotion> {
+        let Some((rig, driven)) = self.rig.and_then(|rig| Some((rig, rig.is_driven()?))) else {
+            return Ok(force);
+        };
+        if !driven {
+            return Ok(None);
+        }
+        let any =
+            || self.signals(|k| beside(k) && !matches!(self.quantity(k), Quantity::Length | Quantity::Angle));
+        let force = force.or_else(|| any().first().copied());
+        force.map(Some).ok_or(NoMotion::Lacks { rig, what: "a force, torque, current or voltage" })
     }
 
     /// The column that says most about the force.

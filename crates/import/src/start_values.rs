@@ -9,6 +9,7 @@ use least_squares::least_squares;
 pub use motion::Motion;
 use phisindy_signal::{automatic, standard_deviation};
 pub use tester::Drive;
+pub(crate) use tester::loses;
 use weak_form::{CLEAR, Forced, forced};
 
 /// Most rows of the regression: more do not improve a start value.

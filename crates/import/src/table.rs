@@ -17,12 +17,51 @@ pub struct Column {
     pub text_cells: usize,
     /// A diagnostic for the first of these cells.
     pub first_text: Option<Diagnostic>,
+    /// How they follow each other.
+    pub(crate) words: Words,
+}
+
+/// Different words of a column that are kept: more are no names of channels.
+const MOST_WORDS: usize = 32;
+
+/// The words of a column: how many there are, and how often another one follows.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Words {
+    last: String,
+    seen: Vec<String>,
+    changes: usize,
+}
+
+impl Words {
+    /// The next one.
+    pub(crate) fn see(&mut self, word: &str) {
+        if word == self.last {
+            return;
+        }
+        word.clone_into(&mut self.last);
+        self.changes += 1;
+        if self.seen.len() <= MOST_WORDS && !self.seen.iter().any(|seen| seen == word) {
+            self.seen.push(word.to_owned());
+        }
+    }
+
+    /// The words, if there are few that take turns over so many rows: of a log they say whose value a row holds.
+    pub(crate) fn taking_turns(&self, rows: usize) -> Option<&[String]> {
+        ((2..=MOST_WORDS).contains(&self.seen.len()) && 2 * self.changes > rows).then_some(&self.seen)
+    }
 }
 
 impl Column {
     /// A column without rows.
     pub fn new(heading: Heading) -> Column {
-        Column { heading, values: vec![], stamps: 0, text_cells: 0, first_text: None }
+        Column {
+            heading,
+            values: vec![],
+            stamps: 0,
+            text_cells: 0,
+            first_text: None,
+            words: Words::default(),
+        }
     }
 }
 

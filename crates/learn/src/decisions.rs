@@ -54,6 +54,8 @@ decisions! {
     TRIES_PER_STEP: usize = 3, "tries", Basis::Judgement("a step that keeps failing is on a cliff, and costs more than it brings");
     /// Steps after which a cost that is far too high is hopeless; twice as many failures are.
     CHANCES: usize = 3, "steps", Basis::Derived("from nearby convergence is quadratic");
+    /// A sample that is earlier than the start of a run by less shows the start.
+    SAME_TIME: f64 = 1e-6, "sampling steps", Basis::Derived("rounding of times: 1e-10 of a step in a record of a million samples, and of stamps with a few digits");
     /// Costs within this factor are the same number but for rounding.
     ROUNDING: f64 = 1.000_000_000_000_01, "factor", Basis::Derived("45 units in the last place");
     /// With more unknowns than this the structure of segments is used: each has its own start state.

@@ -5,7 +5,7 @@ use crate::check::said;
 use phisindy::files::open_plain_file;
 use phisindy_expr::Span;
 use phisindy_import::{
-    Answers, Column, DataFile, Draft, Heading, NoDraft, NoTime, Quantity, Table, accepted, spec_text,
+    Answers, Column, DataFile, Draft, Heading, NoDraft, NoTime, Quantity, Rig, Table, accepted, spec_text,
     summary, table, unreadable,
 };
 use phisindy_phys::unit::Unit;
@@ -83,11 +83,12 @@ struct Said {
 }
 
 /// The columns of a file and a spec for it; `wishes` is a list of `{ heading, role, unit }`, or nothing;
-/// `rate` is the number of rows per second, if the user says it.
-pub(crate) fn look(path: &Path, name: &str, wishes: &Value, rate: Option<f64>) -> Value {
+/// `answers` is what the user says of the file beside that.
+pub(crate) fn look(path: &Path, name: &str, wishes: &Value, answers: &Answers) -> Value {
     let mut sources = Sources::default();
-    let drafted =
-        wished(wishes).map_err(Refused::from).and_then(|said| drafted(path, name, &said, rate, &mut sources));
+    let drafted = wished(wishes)
+        .map_err(Refused::from)
+        .and_then(|said| drafted(path, name, &said, answers, &mut sources));
     match drafted {
         Ok((draft, all)) => described(&draft, &all, name),
         Err(Refused { mistake, lacks_rate }) => {
@@ -136,7 +137,7 @@ fn drafted(
     path: &Path,
     name: &str,
     said: &[Said],
-    rate: Option<f64>,
+    answers: &Answers,
     sources: &mut Sources,
 ) -> Result<(Draft, Vec<String>), Refused> {
     let at = (sources.add("data", name), Span::new(0, name.len()));
@@ -145,11 +146,10 @@ fn drafted(
     let mut table = table(DataFile::new(name, file, size), None, at, sources)?;
     let all = table.columns.iter().map(|c| c.heading.raw.clone()).collect();
     assign(&mut table, said)?;
-    let draft =
-        Draft::with_answers(table, &Answers { rate, ..Answers::default() }, &|_| {}).map_err(|why| {
-            let lacks_rate = matches!(why, NoDraft::Time(NoTime::NoRate { .. }));
-            Refused { mistake: why.diagnostic(name, at), lacks_rate }
-        })?;
+    let draft = Draft::with_answers(table, answers, &|_| {}).map_err(|why| {
+        let lacks_rate = matches!(why, NoDraft::Time(NoTime::NoRate { .. }));
+        Refused { mistake: why.diagnostic(name, at), lacks_rate }
+    })?;
     Ok((draft, all))
 }
 
@@ -192,7 +192,8 @@ fn described(draft: &Draft, all: &[String], name: &str) -> Value {
     json!({
         "name": name, "roles": roles(), "columns": columns, "spec": text, "rows": rows,
         "counted": draft.time.counted, "rate": draft.time.rate, "summary": summary(draft, name), "diagnostics": doubt.unwrap_or_else(|| json!([])),
-        "preview": preview(draft),
+        "preview": preview(draft), "rigs": Rig::ALL.map(|(name, _)| name),
+        "questions": draft.questions.iter().map(ToString::to_string).collect::<Vec<_>>(),
     })
 }
 
@@ -283,11 +284,13 @@ mod tests {
             json!([{ "heading": "t", "role": "time", "unit": "s" }, { "heading": "one", "role": one.0, "unit": one.1 },
                    { "heading": "two", "role": two.0, "unit": two.1 }])
         };
-        let told = look(&path, "rig.csv", &wish(("displacement", "mm"), ("force", "kN")), None);
+        let told =
+            look(&path, "rig.csv", &wish(("displacement", "mm"), ("force", "kN")), &Answers::default());
         let spec = told["spec"].as_str().unwrap_or_else(|| panic!("{told}"));
         assert!(spec.contains(r#""x": ("one", "mm")"#) && spec.contains(r#""F": ("two", "kN")"#), "{spec}");
         assert_eq!(told["columns"][2]["role"], "force", "{told}");
-        let told = look(&path, "rig.csv", &wish(("none", ""), ("acceleration", "m/s^2")), None);
+        let told =
+            look(&path, "rig.csv", &wish(("none", ""), ("acceleration", "m/s^2")), &Answers::default());
         let spec = told["spec"].as_str().unwrap_or_else(|| panic!("{told}"));
         assert!(spec.contains("rate(v)") && !spec.contains("\"one\""), "{spec}");
         assert_eq!(told["columns"][1]["role"], "none", "{told}");
@@ -299,11 +302,28 @@ mod tests {
         let path = folder.path().join("acc.csv");
         let rows: String = (0..400).map(|k| format!("{:.4}\n", (0.09 * f64::from(k)).sin())).collect();
         std::fs::write(&path, format!("acc (g)\n{rows}")).unwrap();
-        let asked = look(&path, "acc.csv", &Value::Null, None);
+        let asked = look(&path, "acc.csv", &Value::Null, &Answers::default());
         assert!(asked["counted"] == true && asked["spec"].is_null(), "{asked}");
         assert!(asked["diagnostics"][0]["message"].as_str().unwrap().contains("How many rows"), "{asked}");
-        let told = look(&path, "acc.csv", &Value::Null, Some(250.0));
+        let told = look(&path, "acc.csv", &Value::Null, &Answers { rate: Some(250.0), ..Answers::default() });
         assert!(told["spec"].as_str().unwrap().contains("time: Rate(250.0)"), "{told}");
+    }
+
+    #[test]
+    fn what_the_file_does_not_say_is_asked_and_a_rig_answers() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("going.csv");
+        let rows: String = (0..2000)
+            .map(|k| format!("{:.2},{:.5}\n", 0.01 * f64::from(k), (0.05 * f64::from(k)).sin()))
+            .collect();
+        std::fs::write(&path, format!("t_s,x_m\n{rows}")).unwrap();
+        let asked = look(&path, "going.csv", &Value::Null, &Answers::default());
+        assert!(asked["questions"][0].as_str().unwrap().contains("what drives it?"), "{asked}");
+        let said = Answers { rig: Some(Rig::Free), ..Answers::default() };
+        assert_eq!(look(&path, "going.csv", &Value::Null, &said)["questions"], json!([]));
+        let said = Answers { rig: Some(Rig::Motor), ..Answers::default() };
+        let told = look(&path, "going.csv", &Value::Null, &said);
+        assert!(told["diagnostics"][0]["message"].as_str().unwrap().contains("`--rig motor`"), "{told}");
     }
 
     #[test]
@@ -313,7 +333,7 @@ mod tests {
         let rows: String =
             (0..2000).map(|k| format!("{k},{:.5}\n", (TAU * 4.5e-3 * f64::from(k)).sin())).collect();
         std::fs::write(&path, format!("time (ms),x (mm)\n{rows}")).unwrap();
-        let told = look(&path, "ms.csv", &Value::Null, None);
+        let told = look(&path, "ms.csv", &Value::Null, &Answers::default());
         let frequency = told["columns"][1]["frequency"].as_f64().unwrap_or_else(|| panic!("{told}"));
         assert!((frequency - 4.5).abs() < 0.05, "{frequency}");
         assert!(told["columns"][0]["frequency"].is_null(), "{told}");
@@ -323,9 +343,14 @@ mod tests {
     fn a_unit_that_does_not_fit_is_told() {
         let (_folder, path) = file();
         let wish = json!([{ "heading": "one", "role": "force", "unit": "mm" }]);
-        let told = look(&path, "rig.csv", &wish, None);
+        let told = look(&path, "rig.csv", &wish, &Answers::default());
         assert!(told["diagnostics"][0]["message"].as_str().unwrap().contains("`one`"), "{told}");
-        let told = look(&path, "rig.csv", &json!([{ "heading": "one", "role": "hat", "unit": "" }]), None);
+        let told = look(
+            &path,
+            "rig.csv",
+            &json!([{ "heading": "one", "role": "hat", "unit": "" }]),
+            &Answers::default(),
+        );
         assert!(told["diagnostics"][0]["error"] == true, "{told}");
     }
 }

@@ -61,7 +61,7 @@ async function taken(files) {
 }
 async function openData(name) {
   page.data = name;
-  page.rate = "";
+  page.rate = page.rig = "";
   $("data-name").textContent = name;
   showColumns(await ask("api/look", { name }, "null"));
 }
@@ -80,6 +80,8 @@ function showColumns(look) {
     return;
   }
   page.look = look;
+  $("rig").replaceChildren(made("option", "as the columns say", { value: "" }), ...look.rigs.map(name => made("option", name, { value: name, selected: name === page.rig })));
+  $("questions").replaceChildren(...look.questions.map(text => made("li", text)));
   $("rate-row").hidden = !look.counted;
   $("rate").value = look.rate;
   $("summary").replaceChildren(...look.summary.map(line => made("p", line)));
@@ -105,8 +107,9 @@ function columnRow(column, roles) {
 }
 async function reassign() {
   const said = [...$("columns").rows].map(row => ({ heading: row.dataset.heading, role: row.querySelector("select").value, unit: row.querySelector("input").value.trim() }));
-  showColumns(await ask("api/look", { name: page.data, rate: page.rate }, JSON.stringify(said)));
+  showColumns(await ask("api/look", { name: page.data, rate: page.rate, rig: page.rig || "" }, JSON.stringify(said)));
 }
+$("rig").onchange = guarded(() => { page.rig = $("rig").value; return reassign(); });
 $("rate").onchange = guarded(() => { page.rate = $("rate").value.trim(); return reassign(); });
 function curve(c) {
   const W = 900, H = 110, left = 8, points = c.points.filter(p => p[1] !== null);

@@ -7,6 +7,7 @@ use crate::request::Head;
 use crate::site::Site;
 use crate::{check, columns, results};
 use phisindy::files::spec_text;
+use phisindy_import::{Answers, Rig};
 use serde_json::{Value, json};
 use std::io::Read;
 use std::sync::{MutexGuard, PoisonError};
@@ -47,13 +48,10 @@ const ROUTES: &[(&str, &str, u64, Handler)] = &[
         // Rows per second, where the user says it in place of times.
         let rate =
             asked.word("rate").ok().and_then(|word| word.parse().ok()).filter(|rate: &f64| rate.is_normal());
+        let rig = asked.word("rig").ok().and_then(|word| Rig::parse(&word).ok());
+        let answers = Answers { rate: rate.filter(|r| *r > 0.0), rig, ..Answers::default() };
         let _turn = asked.turn();
-        Ok(Reply::json(&columns::look(
-            &asked.site.folder.file(&name)?,
-            &name,
-            &wishes,
-            rate.filter(|r| *r > 0.0),
-        )))
+        Ok(Reply::json(&columns::look(&asked.site.folder.file(&name)?, &name, &wishes, &answers)))
     }),
     ("GET", "api/spec", 0, |asked| {
         let name = asked.spec()?;

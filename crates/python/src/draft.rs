@@ -42,7 +42,7 @@ fn draft(
     if time_unit.as_ref().is_some_and(|unit| Unit::parse(unit).ok().map(|u| u.dimension) != second) {
         return Err(DataError::new_err("time_unit: give a unit of time, such as s, ms, us, ns"));
     }
-    let answers = Answers { rate, columns, time_unit, counts };
+    let answers = Answers { rate, columns, time_unit, counts, ..Answers::default() };
     py.detach(|| drafted(&path, bytes, sheet.as_deref(), &answers)).map_err(DataError::new_err)
 }
 

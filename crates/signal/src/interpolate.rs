@@ -185,27 +185,35 @@ impl Signal {
         }
     }
 
-    /// The slope of the cubic through the samples, as a signal. (What is held between samples has no slope there, but
-    /// moves all the same.)
+    /// The slope as a signal. What is held between samples has none there: it moves by steps, whose times are what a
+    /// change of the clock moves.
     ///
     /// ```
     /// use std::sync::Arc;
     /// use phisindy_signal::{Interpolation, Signal};
     ///
-    /// let ramp = Signal::new(Arc::from([2.0, 3.0, 4.0]), vec![2.0, 3.0, 4.0], Interpolation::Hold)?;
+    /// let ramp = Signal::new(Arc::from([2.0, 3.0, 5.0]), vec![2.0, 3.0, 4.0], Interpolation::Linear)?;
     /// let known = ramp.preceded(&[0.0, 1.0], &[0.0, 1.0])?.rescaled(1.0, 3.0);
-    /// assert_eq!((known.value(1.5), known.value(2.5), known.rate().value(0.5)), (4.0, 7.0, 3.0));
+    /// assert_eq!((known.rate().value(0.5), known.rate().value(3.5)), (3.0, 1.5));
     /// # Ok::<(), phisindy_signal::SignalError>(())
     /// ```
     pub fn rate(&self) -> Signal {
-        let values = spline_slopes(&self.time, &self.values);
-        Signal {
-            time: self.time.clone(),
-            slopes: spline_slopes(&self.time, &values),
-            values,
-            kind: Interpolation::Cubic,
-            before: self.before.as_ref().map(|before| Arc::new(before.rate())),
-        }
+        let (values, kind) = match self.kind {
+            Interpolation::Cubic => (spline_slopes(&self.time, &self.values), Interpolation::Cubic),
+            Interpolation::Linear | Interpolation::Hold => {
+                let mut hint = 0;
+                let slope = |&t: &f64| self.value_and_slope(t, &mut hint).1;
+                (self.time.iter().map(slope).collect(), Interpolation::Hold)
+            }
+        };
+        let slopes = if kind == Interpolation::Cubic { spline_slopes(&self.time, &values) } else { vec![] };
+        let before = self.before.as_ref().map(|before| Arc::new(before.rate()));
+        Signal { time: self.time.clone(), slopes, values, kind, before }
+    }
+
+    /// The times of all samples, of those before its first one too.
+    pub fn knots(&self) -> impl Iterator<Item = f64> {
+        self.before.iter().flat_map(|before| before.time.iter()).chain(self.time.iter()).copied()
     }
 
     /// The time grid.

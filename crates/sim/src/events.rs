@@ -234,12 +234,20 @@ impl Run<'_> {
     }
 
     /// The outputs at the present point in the present modes.
-    fn shown(&mut self) -> Vec<f64> {
+    pub(crate) fn shown(&mut self) -> Vec<f64> {
         if self.field.automaton.outputs == 0 {
             return vec![];
         }
         self.field.evaluate_outputs(self.t, &self.x);
         (0..self.field.automaton.outputs).map(|k| self.field.output_at(k)).collect()
+    }
+
+    /// Notes by how much the outputs have jumped from what they showed, and how the instant moves.
+    pub(crate) fn note_jump(&mut self, shown: &[f64], moves: Vec<f64>) {
+        let by: Vec<f64> = self.shown().iter().zip(shown).map(|(after, before)| after - before).collect();
+        if by.iter().any(|jump| *jump != 0.0) {
+            self.out.jumps.push(Jump { time: self.t, by, moves });
+        }
     }
 
     /// Whether a slipping switch is on its surface and about to cross it.
@@ -285,11 +293,7 @@ impl Run<'_> {
                 moves = s.time_of_event(&normal, &by_parameter, w_rate);
                 s.jump(&moves, &old[..n], &self.rates[..n]);
             }
-            let by: Vec<f64> =
-                self.shown().iter().zip(&shown).map(|(after, before)| after - before).collect();
-            if by.iter().any(|jump| *jump != 0.0) {
-                self.out.jumps.push(Jump { time: self.t, by, moves });
-            }
+            self.note_jump(&shown, moves);
         }
         self.record(&before);
     }

@@ -12,7 +12,7 @@ use phisindy_expr::{Scratch, Tape};
 /// The automaton with its scratch memory, the drive, and the present modes.
 pub(crate) struct Field<'a> {
     pub(crate) automaton: &'a Automaton,
-    drive: &'a Drive<'a>,
+    pub(crate) drive: &'a Drive<'a>,
     flow: Scratch<1>,
     surface: Scratch<1>,
     kink_normals: Scratch<1>,
@@ -23,6 +23,8 @@ pub(crate) struct Field<'a> {
     /// Inputs are read just before this time at the latest: a step that ends where an input jumps must not
     /// see the jump.
     pub(crate) left_of: Option<f64>,
+    /// Inputs that are read at the present time all the same: what jumps there has done so.
+    pub(crate) stepped: Vec<bool>,
     /// Present mode of each switch: +1, -1, or, while it sticks, the fraction of the friction limit in use;
     /// then that of each kink: +1 or -1.
     pub(crate) modes: Vec<f64>,
@@ -63,6 +65,7 @@ impl<'a> Field<'a> {
             jacobian: None,
             hints: vec![0; automaton.inputs],
             left_of: None,
+            stepped: vec![false; automaton.inputs],
             modes: vec![0.0; all],
             stuck: vec![false; all],
             floors: vec![0.0; c],
@@ -129,6 +132,7 @@ impl<'a> Field<'a> {
             automaton: self.automaton,
             drive: self.drive,
             left_of: self.left_of,
+            stepped: &self.stepped,
             modes: &self.modes,
             stuck: &self.stuck,
             floors: &self.floors,
@@ -442,6 +446,7 @@ struct Arguments<'f> {
     automaton: &'f Automaton,
     drive: &'f Drive<'f>,
     left_of: Option<f64>,
+    stepped: &'f [bool],
     modes: &'f [f64],
     stuck: &'f [bool],
     floors: &'f [f64],
@@ -463,8 +468,9 @@ impl Arguments<'_> {
             scratch.input(1 + k)[lane] = value;
         }
         if u > 0 {
-            let t = self.left_of.map_or(t, |edge| t.min(edge.next_down()));
+            let left = self.left_of.map_or(t, |edge| t.min(edge.next_down()));
             for (k, signal) in self.drive.inputs.iter().enumerate() {
+                let t = if self.stepped[k] { t } else { left };
                 let (value, slope) = signal.value_and_slope(t, &mut hints[k]);
                 scratch.input(1 + n + k)[lane] = value;
                 scratch.input(1 + n + u + k)[lane] = slope;

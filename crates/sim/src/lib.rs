@@ -48,4 +48,4 @@ pub use run::{observe, simulate};
 pub use stop::Stop;
 pub use switched::{Switch, Switched};
 pub use synthetic::{SyntheticError, synthesize};
-pub use trajectory::{DIVERGED, Drive, Event, Jump, Options, SimError, Trajectory};
+pub use trajectory::{DIVERGED, Drive, Event, Jump, MovingSteps, Options, SimError, Trajectory};

@@ -285,11 +285,47 @@ impl Run<'_> {
         if self.breakpoints.last().is_none_or(|&b| b > self.t) {
             return;
         }
-        while self.breakpoints.last().is_some_and(|&b| b <= self.t) {
-            self.breakpoints.pop();
-        }
+        let ahead = self.breakpoints.partition_point(|&b| b > self.t);
+        let passed = self.breakpoints.split_off(ahead);
+        self.pass_moving_steps(&passed);
         self.field.left_of = self.breakpoints.last().copied();
         self.decide_again();
+    }
+
+    /// A step of a held input is an event whose time hangs on parameters alone: the derivatives jump by what the rates
+    /// jump there (saltation). Of several steps at one instant each has parameters of its own, so one is passed after
+    /// the other; what modes there are with so many of them is decided from those before, as for all together.
+    fn pass_moving_steps(&mut self, passed: &[f64]) {
+        if self.options.moving.is_empty() {
+            return;
+        }
+        let (options, drive) = (self.options, self.field.drive);
+        let (n, modes, stuck) = (self.x.len(), self.field.modes.clone(), self.field.stuck.clone());
+        for (input, signal) in drive.inputs.iter().enumerate() {
+            let Some(s) = self.sensitivity.as_ref() else { return };
+            let own = options.moving.iter().filter(|moving| moving.input == input);
+            let mut moves = vec![0.0; s.m];
+            own.for_each(|moving| {
+                let place = s.free.iter().position(|&k| k == moving.parameter);
+                place.into_iter().for_each(|k| moves[n + k] += moving.by.value(self.t));
+            });
+            let steps = |&at: &f64| signal.value(at.next_down()) != signal.value(at);
+            if !passed.iter().any(steps) {
+                continue;
+            }
+            let (old, shown) = (self.rates.clone(), self.shown());
+            self.field.stepped[input] = true;
+            self.field.modes.copy_from_slice(&modes);
+            self.field.stuck.copy_from_slice(&stuck);
+            self.field.reconsider(self.t, &self.x);
+            self.field.rates(self.t, &self.x, &mut self.rates);
+            if let Some(s) = &mut self.sensitivity {
+                s.jump(&moves, &old[..n], &self.rates[..n]);
+            }
+            self.note_jump(&shown, moves);
+        }
+        self.field.stepped.fill(false);
+        (self.field.modes, self.field.stuck) = (modes, stuck);
     }
 
     /// Goes on from a point to which the input or the state has jumped.

@@ -158,7 +158,7 @@ fn breakpoints(drive: &Drive<'_>, from: f64, to: f64) -> Vec<f64> {
             Interpolation::Cubic => continue,
         };
         let mut hint = 0;
-        all.extend(signal.time().iter().filter(|&&t| {
+        all.extend(signal.knots().filter(|&t| {
             let mut at = |t| feature(signal.value_and_slope(t, &mut hint));
             t > from && t < to && at(t.next_down()) != at(t)
         }));

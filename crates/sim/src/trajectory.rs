@@ -14,6 +14,17 @@ pub struct Drive<'a> {
     pub parameters: &'a [f64],
 }
 
+/// The steps of a held input, if their times hang on a parameter: that of a clock or of a delay.
+#[derive(Clone, Debug)]
+pub struct MovingSteps {
+    /// Which input.
+    pub input: usize,
+    /// Which parameter.
+    pub parameter: usize,
+    /// By how much a step at a time moves for each unit of the parameter.
+    pub by: Signal,
+}
+
 /// Options of a run.
 #[derive(Clone, Debug)]
 pub struct Options {
@@ -29,6 +40,8 @@ pub struct Options {
     pub sensitivities: Option<Vec<usize>>,
     /// Columns of the sensitivities behind those: numbers that no rate knows, but an [`crate::Observer`] does.
     pub spare: usize,
+    /// What parameters do to the steps of held inputs, beside what the rates know of them.
+    pub moving: Vec<MovingSteps>,
     /// The run fails after this many steps.
     pub max_steps: usize,
     /// A state beyond this many times its reach has diverged.
@@ -45,6 +58,7 @@ impl Default for Options {
             reach: vec![],
             sensitivities: None,
             spare: 0,
+            moving: vec![],
             max_steps: DEFAULT_MAX_STEPS,
             diverged: DEFAULT_DIVERGED,
             stop: Stop::default(),

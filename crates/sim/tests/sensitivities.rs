@@ -2,6 +2,7 @@
 
 use crate::common::{self, Case, grid};
 use phisindy_signal::{Interpolation, Signal};
+use phisindy_sim::MovingSteps;
 use std::sync::Arc;
 
 /// All derivatives of the case by central differences with two Richardson steps, at the sample times.
@@ -148,6 +149,47 @@ fn belt_driven_by_an_input() {
         let states = [("x", 1.9, "v"), ("v", 0.1, "-k*x - F*sgn(v - g*vb)")];
         let case = Case::driven(&states, &[("k", 1.1), ("F", 1.0), ("g", 1.05)], vec![("vb", input)]);
         check("input belt", &case, 12.0, 2e-6);
+    }
+}
+
+/// Commands that are held between samples, late by parameters: their steps are events, whose times move.
+#[test]
+fn steps_of_held_inputs_that_are_late() {
+    let time: Arc<[f64]> = Arc::from(grid(12.0, 40));
+    let command = |seed: f64| -> Vec<f64> { time.iter().map(|t| 2.0 * (seed * t * t).sin()).collect() };
+    let commands = [command(0.7), command(1.1)];
+    let late = |delays: [f64; 2], sensitivities: bool| {
+        let held = |k: usize| {
+            Signal::new(time.clone(), commands[k].clone(), Interpolation::Hold)
+                .unwrap()
+                .retimed(1.0, delays[k])
+        };
+        let states = [("x", 0.3, "v"), ("v", 0.5, "a + b^2/3 - k*x - F*sgn(v)")];
+        let parameters = [("k", 1.1), ("F", 0.8), ("da", delays[0]), ("db", delays[1])];
+        let mut case = Case::driven(&states, &parameters, vec![("a", held(0)), ("b", held(1))]);
+        let by = Signal::new([0.0].into(), vec![1.0], Interpolation::Hold).unwrap();
+        let of = |input: usize| MovingSteps { input, parameter: 2 + input, by: by.clone() };
+        case.options.moving = vec![of(0), of(1)];
+        case.options.tolerance = 1e-12;
+        let times = grid(11.0, 37);
+        if sensitivities { case.run_with_sensitivities(&times) } else { case.run(&times) }
+    };
+    // At the same instants, where they are late together, for one that is later than the other may end a stop before
+    // it; and at others.
+    let h = 1e-5;
+    for (delays, by) in [([0.25, 0.25], [h, h]), ([0.25, 0.37], [h, 0.0]), ([0.25, 0.37], [0.0, h])] {
+        let run = late(delays, true);
+        assert!(run.events.iter().any(|e| e.to == 0), "it sticks at times");
+        assert_eq!(run.states, late(delays, false).states);
+        let moved = |sign: f64| late([delays[0] + sign * by[0], delays[1] + sign * by[1]], false).states;
+        let (plus, minus) = (moved(1.0), moved(-1.0));
+        let expected: Vec<f64> = plus.iter().zip(minus).map(|(p, m)| (p - m) / (2.0 * h)).collect();
+        let size = expected.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
+        for (i, want) in expected.iter().enumerate() {
+            let of = &run.sensitivities[i * run.m + 4..][..2];
+            let got = (of[0] * by[0] + of[1] * by[1]) / h;
+            assert!((got - want).abs() < 1e-4 * size, "{delays:?} {by:?} {i}: {got} {want} {size}");
+        }
     }
 }
 

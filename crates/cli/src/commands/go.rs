@@ -11,14 +11,15 @@ use std::io::{self, IsTerminal};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// Writes a spec for a data file unless it is there, looks for what is missing, and opens the report; returns
+/// Writes a spec for data files unless it is there, looks for what is missing, and opens the report; returns
 /// the exit code of `gap`.
 ///
 /// # Errors
 /// A file cannot be written.
 pub(crate) fn command(args: &GoArgs, options: &Options) -> Result<u8> {
+    let path = &args.paths[0];
     let named = |ending: &str| {
-        let mut name = args.path.file_stem().map_or("data".into(), OsString::from);
+        let mut name = path.file_stem().map_or("data".into(), OsString::from);
         name.push(ending);
         PathBuf::from(name)
     };
@@ -33,8 +34,8 @@ pub(crate) fn command(args: &GoArgs, options: &Options) -> Result<u8> {
     if spec.exists() {
         say(options, &format!("{} is there and is used as it is", spec.display()));
     } else {
-        say(options, &format!("looking at {}", args.path.display()));
-        let draft = NewArgs { path: args.path.clone(), sheet: args.sheet.clone(), said: args.said.clone() };
+        say(options, &format!("looking at {}", path.display()));
+        let draft = NewArgs { paths: args.paths.clone(), sheet: args.sheet.clone(), said: args.said.clone() };
         let quiet = Options { quiet: true, out: Some(spec.clone()), ..options.clone() };
         std::fs::create_dir_all(&out)?;
         // A search on what nobody knows would be one on an invention.
@@ -52,7 +53,7 @@ pub(crate) fn command(args: &GoArgs, options: &Options) -> Result<u8> {
             ),
         );
     }
-    let beside = args.path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let beside = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let data = options.data.clone().or_else(|| Some(beside.to_owned()));
     let code = gap::gap(&spec, &[], &Options { data, out: Some(out.clone()), ..options.clone() })?;
     let report = out.join("report.html");

@@ -5,16 +5,15 @@ use crate::progress::Progress;
 use crate::terminal::{INPUT, look, print, quoted, remark};
 use crate::{draw, outdir};
 use anyhow::{Result, anyhow};
-use phisindy::files;
 use phisindy_expr::Span;
 use phisindy_import::{
-    DataFile, Draft, Question, accepted, next_step, spec_text, summary, table, unreadable,
+    Answers, DataFile, Draft, Question, accepted, next_step, spec_text_of, summary, table, unreadable,
 };
 use phisindy_phys::{Diagnostic, SourceId, Sources, spec};
 use phisindy_report::{Look, sketch};
 use std::cell::RefCell;
 use std::fs::File;
-use std::io::{self, Read, Seek, SeekFrom};
+use std::io::{self, IsTerminal, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
 /// Writes a spec for a data file and returns the exit code.
@@ -39,36 +38,52 @@ pub(crate) fn written(args: &NewArgs, options: &Options, open_questions: bool) -
                 out.display()
             ));
         }
-        if same(out, &args.path) {
+        if let Some(path) = args.paths.iter().find(|path| same(out, path)) {
             return Err(anyhow!(
                 "`{}` is the data file itself, which its spec would replace: give --out another name",
-                out.display()
+                path.display()
             ));
         }
         outdir::unless_there(out, options.force)?;
     }
-    let file = args.path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
-    // It separates folders elsewhere, and specs name files alone.
-    if file.contains('\\') {
-        return Err(anyhow!("a spec cannot name the file `{file}`: give it a name without `\\`"));
-    }
+    let files = names(&args.paths)?;
     let mut sources = Sources::default();
-    let draft = match drafted(args, options.quiet, &mut sources) {
-        Ok(draft) => draft,
-        Err(d) => {
-            draw::show([&*d], &sources);
-            return Ok(INPUT);
+    let mut answers = args.said.answers();
+    let drafts = loop {
+        let each = args.paths.iter().map(|path| drafted(path, args, &answers, options.quiet, &mut sources));
+        let drafts = match each.collect::<Result<Vec<Draft>, _>>() {
+            Ok(drafts) => drafts,
+            Err(d) => {
+                draw::show([&*d], &sources);
+                return Ok(INPUT);
+            }
+        };
+        if !asked(&drafts, &mut answers)? {
+            break drafts;
         }
     };
-    if !open_questions && !draft.questions.is_empty() {
-        let name = args.path.display();
-        let ask = |q: &Question| Diagnostic::error(format!("`{name}`: {q}")).help(q.answer());
-        draw::show(draft.questions.iter().map(ask).collect::<Vec<_>>().iter(), &sources);
+    let open = |(draft, path): (&Draft, &PathBuf)| -> Vec<Diagnostic> {
+        let ask = |q: &Question| Diagnostic::error(format!("`{}`: {q}", path.display())).help(q.answer());
+        draft.questions.iter().map(ask).collect()
+    };
+    let questions: Vec<Diagnostic> = drafts.iter().zip(&args.paths).flat_map(open).collect();
+    if !open_questions && !questions.is_empty() {
+        draw::show(questions.iter(), &sources);
         return Ok(INPUT);
     }
     let next = next_command(args, out);
-    let text = spec_text(&draft, &file, &next);
-    let text = match files::with_assignments(text, &options.sets, &mut sources) {
+    let (draft, file) = (&drafts[0], &files[0]);
+    let each: Vec<(&Draft, &str)> = drafts.iter().zip(&files).map(|(d, file)| (d, file.as_str())).collect();
+    let text = match spec_text_of(&each, &next) {
+        Ok(text) => text,
+        Err(why) => {
+            let d = Diagnostic::error(why)
+                .help("draft it alone, or give its columns the same headings and units");
+            draw::show([&d], &sources);
+            return Ok(INPUT);
+        }
+    };
+    let text = match phisindy::files::with_assignments(text, &options.sets, &mut sources) {
         Ok(text) => text,
         Err(d) => {
             draw::show([&d], &sources);
@@ -86,7 +101,9 @@ pub(crate) fn written(args: &NewArgs, options: &Options, open_questions: bool) -
         None => print(&text)?,
     }
     if !options.quiet {
-        summary(&draft, &file).iter().for_each(|line| remark(line));
+        for (draft, file) in &each {
+            summary(draft, file).iter().for_each(|line| remark(line));
+        }
         // A pipe, or a terminal that shows the spec itself, gets no picture of it.
         if let (Some(look), Some(_)) = (look(), out) {
             sketched(&text, look).iter().for_each(|line| remark(line));
@@ -96,7 +113,7 @@ pub(crate) fn written(args: &NewArgs, options: &Options, open_questions: bool) -
             Some(out) => format!("{} is written: {edit}", out.display()),
             None => format!("save this as a file (or say --out FILE), {edit}"),
         });
-        remark(&format!("    phisindy {} {next}", next_step(&draft)));
+        remark(&format!("    phisindy {} {next}", next_step(draft)));
     }
     Ok(0)
 }
@@ -109,18 +126,69 @@ fn sketched(text: &str, look: Look) -> Vec<String> {
     case.map_or(vec![], |(case, _)| sketch(&spec, &case, look))
 }
 
-fn drafted(args: &NewArgs, quiet: bool, sources: &mut Sources) -> Result<Draft, Box<Diagnostic>> {
-    let name = args.path.display().to_string();
+/// The names of the files, as a spec has them: all in one folder.
+fn names(paths: &[PathBuf]) -> Result<Vec<String>> {
+    let folder = |path: &Path| path.parent().map(Path::to_owned).unwrap_or_default();
+    if let Some(other) = paths.iter().find(|path| folder(path) != folder(&paths[0])) {
+        return Err(anyhow!(
+            "`{}` and `{}` are in different folders: put the files of one rig into one, for a spec names files alone",
+            paths[0].display(),
+            other.display()
+        ));
+    }
+    let name = |path: &PathBuf| {
+        let file = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+        // It separates folders elsewhere, and specs name files alone.
+        if file.contains('\\') {
+            return Err(anyhow!("a spec cannot name the file `{file}`: give it a name without `\\`"));
+        }
+        Ok(file)
+    };
+    paths.iter().map(name).collect()
+}
+
+/// Asks the first open question where somebody can answer, and adds the answer; returns whether there is a new one. An
+/// empty line leaves it open.
+fn asked(drafts: &[Draft], answers: &mut Answers) -> Result<bool> {
+    let Some(question) = drafts.iter().flat_map(|d| &d.questions).next() else { return Ok(false) };
+    if !(io::stdin().is_terminal() && io::stderr().is_terminal()) {
+        return Ok(false);
+    }
+    remark(&format!("{question}\n({}; an empty line leaves it open)", question.answer()));
+    loop {
+        let mut line = String::new();
+        if io::stdin().read_line(&mut line)? == 0 || line.trim().is_empty() {
+            return Ok(false);
+        }
+        // `--counts 4096/rev` is what the hint says.
+        let own = line.trim();
+        let own =
+            own.strip_prefix("--").and_then(|rest| rest.split_once(' ')).map_or(own, |(_, value)| value);
+        match question.answered(own, answers) {
+            Ok(()) => return Ok(true),
+            Err(why) => remark(&format!("give {why}")),
+        }
+    }
+}
+
+fn drafted(
+    path: &Path,
+    args: &NewArgs,
+    answers: &Answers,
+    quiet: bool,
+    sources: &mut Sources,
+) -> Result<Draft, Box<Diagnostic>> {
+    let name = path.display().to_string();
     let words = format!("phisindy new {name}");
     let at = (sources.add("command line", words.clone()), Span::new(words.len() - name.len(), words.len()));
     let progress = RefCell::new(Progress::new("reading", quiet));
-    let opened = files::open_plain_file(&args.path).and_then(|file| Ok((file.metadata()?.len(), file)));
+    let opened = phisindy::files::open_plain_file(path).and_then(|file| Ok((file.metadata()?.len(), file)));
     let (size, file) = opened.map_err(|e| Box::new(unreadable(&name, at, &e)))?;
     let bytes = Told { bytes: file, read: 0, size, progress: &progress };
     let table = table(DataFile::new(&name, bytes, size), args.sheet.as_deref(), at, sources)?;
     progress.borrow_mut().doing("looking at the columns");
     let tell = |done: f64| progress.borrow_mut().at(READING + (1.0 - READING) * done);
-    Draft::with_answers(table, &args.said.answers(), &tell).map_err(|why| why.diagnostic(&name, at))
+    Draft::with_answers(table, answers, &tell).map_err(|why| why.diagnostic(&name, at))
 }
 
 /// The part of the work that is reading, as far as a bar needs it.
@@ -156,11 +224,12 @@ fn next_command(args: &NewArgs, out: Option<&Path>) -> String {
         Some(parent) if !parent.as_os_str().is_empty() => parent.to_owned(),
         _ => PathBuf::from("."),
     };
+    let first = &args.paths[0];
     let spec = out.map_or_else(
-        || Path::new(args.path.file_name().unwrap_or_default()).with_extension("ron"),
+        || Path::new(first.file_name().unwrap_or_default()).with_extension("ron"),
         Path::to_owned,
     );
-    let data = folder(&args.path);
+    let data = folder(first);
     if same(&folder(&spec), &data) {
         quoted(&spec)
     } else {

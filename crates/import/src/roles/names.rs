@@ -63,6 +63,7 @@ pub(super) const BASES: &[&str] = &[
     "shaker",
     "floor",
     "support",
+    "road",
     "foundation",
     "exc",
     "excitation",

@@ -31,9 +31,13 @@ impl Dialect {
         }
         let candidates = [Some(';'), Some('\t'), Some(','), None].map(with);
         let count = |d: &Dialect, line: &str| d.fields(line).len();
+        // Behind a trailing separator the last value may be missing.
+        let trailing =
+            |d: &Dialect, line: &str| d.separator.is_some_and(|c| line.trim_end_matches(' ').ends_with(c));
         let table = |d: &&Dialect| {
             let n = count(d, first);
-            n > 1 && second.is_none_or(|line| count(d, line) == n)
+            let as_many = |line: &str| count(d, line) == n || (count(d, line) + 1 == n && trailing(d, line));
+            n > 1 && second.is_none_or(as_many)
         };
         // Numbers in the second line, in per mille of its fields: "0,01 1,5" holds two numbers, not three
         // fields.
@@ -160,9 +164,15 @@ pub(crate) fn is_infinite(text: &str) -> bool {
     may_be && text.replacen(',', ".", 1).parse::<f64>().is_ok_and(f64::is_infinite)
 }
 
-/// Whether a line is a second heading that holds only units: `s;mm;N` or `[s];[mm];[N]`.
+/// What a line of units is called in its first cell.
+const UNIT_LABELS: &[&str] = &["unit", "units", "einheit", "einheiten"];
+
+/// Whether a line is a second heading that holds only units: `s;mm;N`, `[s];[mm];[N]` or `unit;s;mm;N`.
 pub(crate) fn is_units_row(dialect: &Dialect, line: &str) -> bool {
-    let cells = dialect.cells(line);
+    let mut cells = dialect.cells(line);
+    if cells.len() > 1 && UNIT_LABELS.contains(&cells[0].trim_end_matches(':').to_lowercase().as_str()) {
+        cells.remove(0);
+    }
     let number = |cell: &&String| looks_like_number(cell.trim_matches(['[', ']', '(', ')', ' ']));
     let units = cells.iter().filter(|cell| is_unit(cell) && !number(cell)).count();
     let beside = |cell: &&String| !is_unit(cell) && is_beside_units(cell);

@@ -50,13 +50,21 @@ impl Header {
         // A value may be missing in the first row.
         let no_number = |f: &String| !looks_like_number(f) && !is_missing(f);
         let all_missing = cells.iter().all(|f| is_missing(f));
-        let has_header = header.unwrap_or_else(|| cells.iter().any(no_number) || all_missing);
-        if !has_header {
+        // `header: false` numbers the columns, whatever stands above them.
+        let wanted = header.is_none() && first.number > 0;
+        let found = || {
             let known: Vec<Line> =
                 lines.comments().iter().filter(|c| c.number < first.number).cloned().collect();
-            // `header: false` numbers the columns, whatever stands above them.
-            let wanted = header.is_none() && first.number > 0;
-            let found = wanted.then(|| comment::heading(&dialect, fields.len(), &known)).flatten();
+            wanted.then(|| comment::heading(&dialect, fields.len(), &known)).flatten()
+        };
+        let words = cells.iter().any(no_number);
+        let mut has_header = header.unwrap_or(words || all_missing);
+        // A row may hold words beside its numbers, below a heading behind a comment sign.
+        let mixed = words && cells.iter().any(|cell| looks_like_number(cell));
+        let mut found = if !has_header || mixed { found() } else { None };
+        has_header &= !(mixed && found.is_some());
+        if !has_header {
+            let found = found.take();
             let numbers = (1..=fields.len()).map(|k| k.to_string()).collect();
             let rows = [Some(first), second].into_iter().flatten().collect();
             return Ok(Some(match found {
@@ -92,10 +100,21 @@ impl Header {
             Some(line) if is_units_row(&dialect, &line.text) => (Some(dialect.cells(&line.text)), vec![]),
             other => (units_behind_a_sign(), other.into_iter().collect()),
         };
+        // R writes names of rows in quotes, and no name above them.
+        let of_rows = |row: &Line| has_row_name(&dialect, row, cells.len());
+        if rows.first().is_some_and(of_rows) {
+            cells.insert(0, String::new());
+            fields.insert(0, 0..0);
+        }
         let (names, unnamed) = named(std::mem::take(&mut cells));
         let heading = Some((first, fields));
         Ok(Some(Header { dialect, names, heading, commented: false, unnamed, units, rows }))
     }
+}
+
+/// Whether a row has its own name in quotes, and so one cell more than so many names above it.
+pub(super) fn has_row_name(dialect: &Dialect, row: &Line, names: usize) -> bool {
+    row.text.trim_start().starts_with('"') && dialect.fields(&row.text).len() == names + 1
 }
 
 /// The number of a column, counted from 1, in the place of a name that is missing; and which columns these

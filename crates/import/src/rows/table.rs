@@ -1,7 +1,7 @@
 //! Reads all columns of a file.
 
 use super::dialect::{Dialect, is_missing, is_units_row, looks_like_number};
-use super::header::Header;
+use super::header::{Header, has_row_name};
 use super::line::{Line, LineError};
 use super::lines::Lines;
 use super::mistakes::Mistakes;
@@ -175,6 +175,7 @@ impl Rows<'_> {
             column.values.push(f64::NAN);
             if !is_missing(&text) {
                 column.text_cells += 1;
+                column.words.see(&text);
                 if column.first_text.is_none() {
                     let name = &column.heading.raw;
                     let d = self.mistakes.not_a_number(line, field.clone(), name, &text, dialect);
@@ -273,7 +274,9 @@ fn words_before(start: &[Line], separator: Option<char>) -> usize {
     let names = dialect.fields(&start[heading].text).len();
     // Of a comma in every number each name has two fields; the first row is refused then.
     let halved = names > 1 && (names + 1..=2 * names).contains(&width);
-    let is_heading = fits(names) || (halved && dialect.may_split_decimals(&last.text));
+    let is_heading = fits(names)
+        || has_row_name(&dialect, last, names)
+        || (halved && dialect.may_split_decimals(&last.text));
     match is_heading && words + 3 < start.len() {
         true if heading > 0 => start[heading].number - 1,
         // Lines of words above numbers without heading.

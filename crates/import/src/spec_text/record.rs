@@ -13,10 +13,10 @@ pub(super) fn record(
     draft: &Draft,
     notation: &Notation,
     record: &RecordDraft,
-    file: &str,
+    (file, name): (&str, &str),
     text: &mut String,
 ) {
-    let (path, name) = (quoted(file), quoted(&record.name));
+    let (path, name) = (quoted(file), quoted(name));
     let (time, remark) = time(draft);
     let form = if draft.table.is_text { "Csv" } else { "Table" };
     let columns = columns(draft, notation).join(", ");
@@ -26,7 +26,8 @@ pub(super) fn record(
         "        {form}(path: {path}, name: {name}, time: {time}, {form_of_columns}: {{ {columns} }},{remark}"
     );
     let mut fields = Vec::new();
-    if let Input::Base(_) = draft.roles.input {
+    let quarter_car = super::quarter_car::is_one(draft);
+    if let (Input::Base(_), false) = (draft.roles.input, quarter_car) {
         fields.push("derive: { \"du\": Derivative(\"u\") }".to_owned());
     }
     let tester = super::tester::of(draft);
@@ -37,12 +38,16 @@ pub(super) fn record(
     if !draft.table.record_fields.is_empty() {
         fields.push(draft.table.record_fields.join(", "));
     }
-    if let (Some(_), Some(_), None) = (draft.roles.displacement, draft.estimate.stiffness, tester) {
-        let (start, low, high) = zero(draft);
-        let (displacement, unit) = (notation.displacement, &notation.displacement_unit);
-        fields.push(format!(
-            "sensors: {{ \"{displacement}\": (offset: Find(start: {start:?}, unit: \"{unit}\", within: ({low:?}, {high:?}))) }}"
-        ));
+    let offset = |name: &str, (start, low, high): (f64, f64, f64)| {
+        let unit = &notation.displacement_unit;
+        format!("\"{name}\": (offset: Find(start: {start:?}, unit: \"{unit}\", within: ({low:?}, {high:?})))")
+    };
+    let springs = draft.estimate.stiffness.is_some() || quarter_car;
+    if let (Some(_), true, None) = (draft.roles.displacement, springs, tester) {
+        let own = if quarter_car { "x1" } else { notation.displacement };
+        let of_wheel = draft.roles.wheel.filter(|_| quarter_car).map(|c| offset("x2", middle(draft, c)));
+        let offsets: Vec<String> = [offset(own, zero(draft))].into_iter().chain(of_wheel).collect();
+        fields.push(format!("sensors: {{ {} }}", offsets.join(", ")));
     }
     if let Some(c) = draft.roles.acceleration {
         // The sensor may count from anywhere: gravity is in it, or a zero error.
@@ -123,7 +128,10 @@ fn columns(draft: &Draft, notation: &Notation) -> Vec<String> {
         Some(_) => format!("\"{name}\": (column: {})", column(draft, c)),
         None => format!("\"{name}\": {}", column(draft, c)),
     };
-    let displacement = roles.displacement.map(|c| named(notation.displacement, c));
+    let quarter_car = super::quarter_car::is_one(draft);
+    let own = if quarter_car { "x1" } else { notation.displacement };
+    let displacement = roles.displacement.map(|c| named(own, c));
+    let wheel = roles.wheel.filter(|_| quarter_car).map(|c| named("x2", c));
     let velocity = roles.velocity.map(|c| named(notation.velocity, c));
     let acceleration = roles.acceleration.map(|c| named("a", c));
     let input = match roles.input {
@@ -131,7 +139,14 @@ fn columns(draft: &Draft, notation: &Notation) -> Vec<String> {
         Input::Base(c) => Some(named("u", c)),
         Input::Force(c) | Input::Drive(c) | Input::Reaction(c) => Some(named("F", c)),
     };
-    [displacement, velocity, acceleration, input].into_iter().flatten().collect()
+    [displacement, wheel, velocity, acceleration, input].into_iter().flatten().collect()
+}
+
+/// Start value and bounds of the offset of a column whose rest nothing tells, in SI.
+fn middle(draft: &Draft, c: usize) -> (f64, f64, f64) {
+    let (numbers, factor) = (&draft.statistics[c], draft.factor(c));
+    let (low, high) = (numbers.min * factor, numbers.max * factor);
+    (three_digits(0.5 * (low + high)), three_digits(low), three_digits(high))
 }
 
 /// Start value and bounds of the sensor offset, in SI.

@@ -28,7 +28,9 @@ pub(super) fn of(draft: &Draft) -> Option<Tester> {
     };
     let size = |column: usize| draft.statistics[column].std * draft.factor(column).abs();
     let spring = size(force) / size(draft.moving());
-    let pace = std::f64::consts::TAU * draft.motion.frequency?;
+    let time = &draft.motion.time;
+    let span = time.last().zip(time.first()).map(|(last, first)| last - first);
+    let pace = std::f64::consts::TAU * draft.motion.frequency.or(span.map(|span| 1.0 / span))?;
     Some(Tester { stiffness, damping, mean, most: [spring, spring / pace].map(|most| WIDE * most) })
 }
 

@@ -43,6 +43,20 @@ pub enum Drive {
 }
 
 impl Motion {
+    /// The tester that the user says this is: what the data do not tell begins as nothing.
+    pub(crate) fn tester(&self) -> Drive {
+        match self.drive() {
+            tester @ Drive::Tester { .. } => tester,
+            _ => {
+                let force = self.force.as_deref().unwrap_or_default();
+                let columns = [vec![1.0; force.len()], self.displacement.clone()];
+                let mean = force.iter().sum::<f64>() / force.len().max(1) as f64;
+                let line = least_squares(&columns, force).map_or([mean, 0.0], |(c, _)| [c[0], c[1]]);
+                Drive::Tester { stiffness: line[1].max(0.0), damping: Some(0.0), mean: line[0] }
+            }
+        }
+    }
+
     /// Whether the force drives the motion, from the integrals of the equation over short stretches.
     pub(crate) fn drive(&self) -> Drive {
         let told = || {
@@ -81,6 +95,14 @@ impl Motion {
         };
         told().unwrap_or(Drive::Open)
     }
+}
+
+/// Whether a force over the way of a column is lost on it: the work of whole cycles has one sign, that of a spring none.
+pub(crate) fn loses(way: &[f64], force: &[f64]) -> bool {
+    let works = way.windows(2).zip(force.windows(2)).map(|(x, f)| 0.5 * (f[0] + f[1]) * (x[1] - x[0]));
+    let (net, all) =
+        works.filter(|w| w.is_finite()).fold((0.0, 0.0), |(net, all), w| (net + w, all + w.abs()));
+    f64::abs(net) > DRY * all
 }
 
 /// The cosine between two columns.

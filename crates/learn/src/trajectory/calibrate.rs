@@ -262,6 +262,7 @@ impl<'a> Stage<'a> {
                 }
             }
         }
+        problem.look_from(&x);
         let weights = problem.weights(noise, None);
         // Smaller gains of the likelihood decide nothing.
         let least = LIKELIHOOD_GAIN / samples.max(1) as f64;

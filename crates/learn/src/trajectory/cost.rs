@@ -171,6 +171,10 @@ impl Problem<'_> {
         for sample in samples {
             let i = sample - segment.samples.0;
             for (&k, (column, weight)) in measured.iter().zip(&columns) {
+                if !self.tells(segment.record, k, sample) {
+                    misses.push(0.0);
+                    continue;
+                }
                 let (prediction, _) = self.reading(segment.record, k, x, sampled.value(i, k).0);
                 let (scale, miss) = (weight[sample].sqrt(), prediction - column[sample]);
                 match self.beside_jumps(segment, x, sampled, (sample, k), 1.0 / scale) {
@@ -380,6 +384,9 @@ impl Problem<'_> {
                 let (prediction, gain) = self.reading(r, k, x, value);
                 let weight = weights[r][k][sample].sqrt();
                 let row = products.row(e);
+                if !self.tells(r, k, sample) {
+                    continue;
+                }
                 let factor = weight * gain;
                 row.iter_mut().zip(sampled.sensitivities(i, k)).for_each(|(j, s)| *j = factor * s);
                 let [offset_at, gain_at, delay_at, clock_at] = sensor_slots[k];

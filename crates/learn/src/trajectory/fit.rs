@@ -453,10 +453,12 @@ struct Settled {
 }
 
 fn settled(problem: &mut Problem<'_>, x: &mut [f64], noise: &mut Noise, rounds: usize) -> Option<Settled> {
+    problem.look_from(x);
     let mut weights = problem.weights(noise, problem.residuals(x).ok().as_deref());
     let limits = Limits::of(if rounds == 1 { ROUGH_MINIMUM } else { FINE_MINIMUM });
     let mut normal = problem.minimise_from_means(x, &weights, limits).ok()?;
     for _ in 1..rounds {
+        problem.look_from(x);
         let residuals = problem.residuals(x).ok()?;
         *noise = problem.noise(&residuals);
         weights = problem.weights(noise, Some(&residuals));

@@ -107,6 +107,7 @@ fn one(
     };
     let source = record.continues.filter(|&j| done[j].run.is_some()).unwrap_or(r);
     let mut x = solution.guess(&problem, source, &filled[r..=r]);
+    problem.look_from(&x);
     let whole = problem.segments[0];
     let run = if source != r {
         continued(&problem, &records[source], &done[source], record, &x)
@@ -176,7 +177,7 @@ impl Read {
             let left = |(i, y): (usize, &f64)| {
                 let miss = readings[k][i] - y;
                 let beside = problem.beside_jumps(&problem.segments[0], x, sampled, (i, k), noise);
-                -beside.map_or(miss, |at| at.residual(miss))
+                if problem.tells(0, k, i) { -beside.map_or(miss, |at| at.residual(miss)) } else { 0.0 }
             };
             column.iter().flatten().enumerate().map(left).collect()
         };

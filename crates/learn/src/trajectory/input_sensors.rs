@@ -3,11 +3,13 @@
 //! The model gets `(u + (d - e s) w - o)/g` in the place of such an input `u`: offset `o` and gain `g` are parameters
 //! of a run. A run reads the input earlier by its delay and by another clock, so that the numbers `d` and `e` are zero;
 //! the derivatives by them are the input's slope `w`, which is one more input, and where a clock is to be found its
-//! product with the age `s` of the sample, another one.
+//! product with the age `s` of the sample, another one. What is held between samples has no slope: its steps move.
 
 use crate::trajectory::delayed_samples::Lateness;
+use crate::trajectory::layout::{CLOCK, DELAY};
 use phisindy_phys::{Model, Record, Sensor};
 use phisindy_signal::{Interpolation, Signal};
+use phisindy_sim::MovingSteps;
 use std::borrow::Cow;
 
 /// The inputs with such sensors, with their columns and slopes in each record.
@@ -108,6 +110,20 @@ impl InputSensors {
         let ages: Vec<Signal> = drifting.map(|((&j, _), late)| age(&signals[j], *late)).collect();
         signals.extend(ages);
         Cow::Owned(signals)
+    }
+
+    /// How `d` and `e` move the steps of held inputs that are so late, as `signals` drive a run; the parameters of
+    /// these sensors begin at `first`.
+    pub(crate) fn moving(&self, signals: &[Signal], late: &[Lateness], first: usize) -> Vec<MovingSteps> {
+        let held = |&q: &usize| signals[self.inputs[q]].kind() == Interpolation::Hold;
+        let of = |q: usize| {
+            let (input, signal) = (self.inputs[q], &signals[self.inputs[q]]);
+            let later = Signal::new([0.0].into(), vec![-1.0], Interpolation::Hold).ok();
+            let later = later.map(|by| MovingSteps { input, parameter: first + 4 * q + DELAY, by });
+            let drift = || MovingSteps { input, parameter: first + 4 * q + CLOCK, by: age(signal, late[q]) };
+            later.into_iter().chain(self.drifts[q].then(drift))
+        };
+        (0..self.inputs.len()).filter(held).flat_map(of).collect()
     }
 }
 

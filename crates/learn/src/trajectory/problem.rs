@@ -1,7 +1,7 @@
 //! The trajectory fit as a least-squares problem: simulations, predictions of the sensors, residuals,
 //! weights. [`super::layout`] says what the unknowns are, [`super::cost`] differentiates.
 
-use crate::decisions::{BASE_STEPS, DIVERGED_SIZE, NOISE_FLOOR, STEPS_PER_SAMPLE, TOLERANCE};
+use crate::decisions::{BASE_STEPS, DIVERGED_SIZE, NOISE_FLOOR, SAME_TIME, STEPS_PER_SAMPLE, TOLERANCE};
 use crate::result::error::ModelError;
 use crate::trajectory::delayed_samples::{DelayedSamples, Lateness, SampledRun};
 use crate::trajectory::filter::Gains;
@@ -34,6 +34,8 @@ pub(crate) struct Problem<'a> {
     /// For each record, offset, gain, delay and clock of each state, each output, then each input.
     pub(crate) sensors: Vec<Vec<[Source; 4]>>,
     input_sensors: InputSensors,
+    /// By record and column, the first sample that tells of the model, see [`Problem::tells`].
+    told_from: Vec<Vec<usize>>,
     /// The size of each state, for the accuracy of the simulation.
     pub(crate) scale: Vec<f64>,
     /// How far each state may go before it has diverged, without the factor.
@@ -119,6 +121,7 @@ impl<'a> Problem<'a> {
             model,
             sensors,
             input_sensors,
+            told_from: vec![],
             scale: vec![],
             reach: vec![],
             deviations,
@@ -130,6 +133,8 @@ impl<'a> Problem<'a> {
             tolerance: TOLERANCE,
             stop: Stop::default(),
         };
+        let starts = problem.numbers(&[], None);
+        problem.look_from(&starts);
         problem.scale = vec![1.0; states];
         problem.scale = problem.scales();
         problem.reach = problem.reaches();
@@ -172,6 +177,21 @@ impl<'a> Problem<'a> {
         parameters: Option<&[f64]>,
         filled: &[Record],
     ) -> Vec<f64> {
+        let mut x = self.numbers(coefficients, parameters);
+        for segment in &self.segments {
+            let record = &filled[segment.record];
+            for state in 0..self.system.states.len() {
+                let value = record.columns[state].as_ref().map(|c| c[segment.samples.0]);
+                let stated = self.records[segment.record].start[state].filter(|_| segment.samples.0 == 0);
+                x[segment.start + state] = stated.or(value).unwrap_or(0.0);
+            }
+        }
+        self.leave_singularities(&mut x, filled);
+        x
+    }
+
+    /// Coefficients and parameters as given, or where the spec starts them; start states are 0.
+    fn numbers(&self, coefficients: &[f64], parameters: Option<&[f64]>) -> Vec<f64> {
         let mut x = vec![0.0; self.unknowns];
         for (k, c) in coefficients.iter().enumerate() {
             x[k] = c.clamp(self.bounds[k].0, self.bounds[k].1);
@@ -187,15 +207,6 @@ impl<'a> Problem<'a> {
                 _ => {}
             }
         }
-        for segment in &self.segments {
-            let record = &filled[segment.record];
-            for state in 0..self.system.states.len() {
-                let value = record.columns[state].as_ref().map(|c| c[segment.samples.0]);
-                let stated = self.records[segment.record].start[state].filter(|_| segment.samples.0 == 0);
-                x[segment.start + state] = stated.or(value).unwrap_or(0.0);
-            }
-        }
-        self.leave_singularities(&mut x, filled);
         x
     }
 
@@ -220,6 +231,39 @@ impl<'a> Problem<'a> {
     fn input_clocks(&self, record: usize, x: &[f64]) -> Vec<Lateness> {
         let n = self.system.columns();
         self.input_sensors.inputs.iter().map(|j| self.lateness(record, n + j, x)).collect()
+    }
+
+    /// Whether a sample tells of the model: it shows what was after the start of the record, driven by what is known.
+    /// What a late input did before its first sample nobody knows, and where the record starts a late sensor shows what
+    /// was before. Where numbers of sensors are to be found it goes by where a minimisation starts: samples that come and
+    /// go with a delay would be a reason to change it.
+    pub(crate) fn tells(&self, record: usize, column: usize, sample: usize) -> bool {
+        sample >= self.told_from[record][column]
+    }
+
+    /// Lets these samples tell of the model that do so with the numbers `x`.
+    pub(crate) fn look_from(&mut self, x: &[f64]) {
+        let of = |r: usize, record: &Record| -> Vec<usize> {
+            let inputs = self.input_sensors.signals(record, r, &self.input_clocks(r, x));
+            let measured = inputs.iter().take(record.inputs.len());
+            let begins = measured.filter_map(|signal| signal.knots().next()).fold(record.time[0], f64::max);
+            let own = |k: usize| {
+                let (late, step) = (self.lateness(r, k, x), mean_step(&record.time));
+                if late.shown(record.time[0]) >= begins - SAME_TIME * step {
+                    return 0;
+                }
+                // Devices are late by whole samples: half of one between them does not hang on a digit of the delay.
+                let tells = |t: &f64| late.shown(*t) >= begins + 0.5 * step;
+                let first = record.time.iter().position(tells).unwrap_or(record.len());
+                if record.columns.get(k).is_some_and(Option::is_some) {
+                    first.min(record.len() / 2)
+                } else {
+                    0
+                }
+            };
+            (0..self.system.columns()).map(own).collect()
+        };
+        self.told_from = self.records.iter().enumerate().map(|(r, record)| of(r, record)).collect();
     }
 
     /// How late a sensor is.
@@ -265,6 +309,8 @@ impl<'a> Problem<'a> {
         let clocks = self.input_clocks(record, x);
         let inputs = self.input_sensors.signals(self.records[record], record, &clocks);
         let drive = Drive { inputs: &inputs, parameters: &parameters };
+        let moving = self.input_sensors.moving(&inputs, &clocks, own);
+        let options = &Options { moving, ..options.clone() };
         let run = match observer {
             Some(observer) => observe(&self.automaton, &drive, start, times, options, observer)?,
             None => simulate(&self.automaton, &drive, start.0, start.1, times, options)?,
@@ -325,6 +371,7 @@ impl<'a> Problem<'a> {
             reach: self.reach.clone(),
             sensitivities,
             spare: 0,
+            moving: vec![],
             // A model that needs many more steps is wrong: fail early.
             max_steps: self.budget.unwrap_or(BASE_STEPS + STEPS_PER_SAMPLE * samples),
             diverged: DIVERGED_SIZE,
@@ -425,6 +472,7 @@ impl<'a> Problem<'a> {
                     let noise = self.jump_noise[segment.record][k];
                     let beside = self.beside_jumps(segment, x, run, (sample, k), noise);
                     let left = beside.map_or(miss, |at| at.residual(miss));
+                    let left = if self.tells(segment.record, k, sample) { left } else { 0.0 };
                     out[segment.record][k].residual.push(-left);
                     out[segment.record][k].prediction.push(prediction);
                 }
@@ -474,7 +522,9 @@ impl<'a> Problem<'a> {
             let record = self.records[r];
             let floor =
                 record.columns[k].as_deref().map_or(0.0, |c| least_noise(c, record.rounding(k), NOISE_FLOOR));
-            ColumnNoise::estimate(&c.residual, &c.prediction, floor)
+            // What is not compared leaves nothing, and tells no noise.
+            let from = self.told_from[r][k].min(c.residual.len());
+            ColumnNoise::estimate(&c.residual[from..], &c.prediction[from..], floor)
         };
         (0..self.records.len()).map(|r| (0..self.system.columns()).map(|k| of(r, k)).collect()).collect()
     }
