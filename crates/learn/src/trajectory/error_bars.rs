@@ -204,6 +204,9 @@ fn between(bread: &Mat<f64>, meat: &Mat<f64>) -> Mat<f64> {
     let seen: Vec<usize> = (0..n).filter(|&k| bread[(k, k)].is_finite()).collect();
     let m = seen.len();
     let mut out = Mat::from_fn(n, n, |i, j| if i == j { f64::INFINITY } else { 0.0 });
+    if seen.is_empty() {
+        return out;
+    }
     // In parts of each error, so that no unit of measurement matters.
     let size: Vec<f64> = seen.iter().map(|&k| bread[(k, k)].sqrt()).collect();
     let part = |of: f64, i: usize, j: usize| if of == 0.0 { 0.0 } else { of / (size[i] * size[j]) };
@@ -225,6 +228,12 @@ fn between(bread: &Mat<f64>, meat: &Mat<f64>) -> Mat<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn where_nothing_is_seen_all_is_open() {
+        let open = Mat::from_fn(2, 2, |i, j| if i == j { f64::INFINITY } else { 0.0 });
+        assert!(between(&open, &Mat::identity(2, 2))[(1, 1)].is_infinite());
+    }
 
     /// Four numbers whose common scale is hardly known: each pair of them is known 3000 times better than each alone.
     #[test]
