@@ -198,7 +198,8 @@ fn a_place_says_how_what_acts_there_enters_the_rates() {
     for step in 0..200_000 {
         let t = f64::from(step) * h;
         if step % 100 == 0 {
-            let wrong = |k: f64| 2e3 * (k * f64::from(step)).sin();
+            // Even noise, by a hash: a sine of the step alone would be a tone.
+            let wrong = |k: f64| 4e3 * (((k * f64::from(step)).sin() * 43_758.545_3).rem_euclid(1.0) - 0.5);
             let _ = writeln!(text, "{t},{},{},{}", p + wrong(12.9898), q + wrong(78.233), flow(t));
         }
         let over = leak * (p - q);

@@ -65,8 +65,8 @@ fn swing(spring: f64, load: f64, start: &[f64], t: f64) -> [f64; 2] {
     [rest + (x - rest) * cos + v / w * sin, v * cos - (x - rest) * w * sin]
 }
 
-/// All residuals over what they are known to, but for the belief.
-fn residuals(u: &[f64], records: &[Record], joined: bool) -> Vec<f64> {
+/// All residuals over what they are known to, but for the belief; none of a sample that shows what was before the start.
+fn residuals(u: &[f64], (problem, records): (&Problem<'_>, &[Record]), joined: bool) -> Vec<f64> {
     let (weights, mut out) = (weights(), vec![]);
     // Offset, gain, delay of each column.
     let sensors = [vec![[u[3], u[4], u[5]], [0.0, u[6], 0.0]], vec![[u[14], u[1], 0.0]]];
@@ -79,7 +79,8 @@ fn residuals(u: &[f64], records: &[Record], joined: bool) -> Vec<f64> {
                 for (k, [offset, gain, delay]) in sensors[r].iter().enumerate() {
                     let state = swing(u[1], load, start, STEP * (i - cut[0]) as f64 - delay)[k];
                     let sample = records[r].columns[k].as_ref().unwrap()[i];
-                    out.push(known(k, i) * (offset + gain * state - sample));
+                    let told = if problem.tells(r, k, i) { 1.0 } else { 0.0 };
+                    out.push(told * known(k, i) * (offset + gain * state - sample));
                 }
             }
             if joined && piece + 2 < CUTS[r].len() {
@@ -100,12 +101,12 @@ fn the_normal_equations_are_those_of_the_residuals() {
     for joined in [false, true] {
         let problem = problem(&case, &records, joined);
         assert_eq!(problem.unknowns, d);
-        let e = residuals(&u, &records, joined);
+        let e = residuals(&u, (&problem, &records), joined);
         let by = |k: usize| -> Vec<f64> {
             let at = |step: f64| {
                 let mut moved = u.clone();
                 moved[k] += step;
-                residuals(&moved, &records, joined)
+                residuals(&moved, (&problem, &records), joined)
             };
             at(1e-5).iter().zip(&at(-1e-5)).map(|(up, down)| (up - down) / 2e-5).collect()
         };
