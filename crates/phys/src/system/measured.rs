@@ -35,18 +35,16 @@ impl Measured {
         Measured { time: time.into(), values, before }
     }
 
-    /// What the sensor saw, each of its parameters at its start.
-    ///
-    /// # Errors
-    /// The samples are no signal.
-    pub(crate) fn corrected(self, sensor: &Sensor, kind: Interpolation) -> Result<Measured, SignalError> {
+    /// What the sensor saw, when it was, each of its parameters at its start. The samples stay as they are: read anew at
+    /// the times of the rows, a held input would move by whole samples.
+    pub(crate) fn corrected(self, sensor: &Sensor) -> Measured {
         let Measured { time, values, before } = self;
-        let lead = before.time.len();
-        let whole: Arc<[f64]> = before.time.iter().chain(time.iter()).copied().collect();
-        let all = before.values.iter().chain(&values).copied().collect();
-        let mut all = sensor.corrected(&whole, all, kind)?;
-        let values = all.split_off(lead);
-        Ok(Measured { time, values, before: Samples { values: all, ..before } })
+        let value = |x: f64| (x - sensor.offset.start) / sensor.gain.start;
+        let seen = |values: Vec<f64>| values.into_iter().map(value).collect();
+        let late = (sensor.delay.start, sensor.clock.start) != (0.0, 0.0);
+        let when = |times: &[f64]| times.iter().map(|&t| sensor.shown(t)).collect::<Vec<f64>>();
+        let (time, lead) = if late { (when(&time).into(), when(&before.time)) } else { (time, before.time) };
+        Measured { time, values: seen(values), before: Samples { time: lead, values: seen(before.values) } }
     }
 
     /// The samples smoothed, their derivative, and how they were smoothed.

@@ -166,9 +166,7 @@ impl Record {
         for (k, input) in system.inputs.iter().enumerate() {
             let sensor = &sensors[system.columns() + k];
             let place = csv.columns.iter().position(|(n, _)| n.value == input.name);
-            let measured = place.map(|place| Measured::of(table, place, &time));
-            let corrected = measured.map(|m| m.corrected(sensor, plan.interpolation[k])).transpose();
-            raw.push(corrected.map_err(|e| vec![no_signal(&input.name, &e)])?);
+            raw.push(place.map(|place| Measured::of(table, place, &time).corrected(sensor)));
         }
         let (mut notes, mut derivations) = (Vec::new(), Vec::new());
         for (k, of) in plan.derived.iter().enumerate().filter_map(|(k, of)| of.map(|of| (k, of))) {

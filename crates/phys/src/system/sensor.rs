@@ -100,6 +100,11 @@ impl Sensor {
         Ok(if (offset, gain) == (0.0, 1.0) { late } else { late.iter().map(|x| gain * x + offset).collect() })
     }
 
+    /// When what it reads at `t` was, each parameter at its start.
+    pub(crate) fn shown(&self, t: f64) -> f64 {
+        t - self.delay.start + self.clock.start * (t - self.since)
+    }
+
     /// The quantity at the sample times, from the reading, each parameter at its start. Beyond the ends a
     /// delayed column is extrapolated by its interpolation.
     ///
