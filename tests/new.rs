@@ -1165,3 +1165,22 @@ fn a_draft_replaces_no_data_and_takes_no_set_that_a_run_refuses() {
         assert!(!std::fs::exists(&spec).expect("a folder"));
     }
 }
+
+/// A record that counts twice would seem to be known better than it is.
+#[test]
+fn a_file_is_named_once() {
+    let scratch = Scratch::new("new_twice");
+    let data = scratch.path("rig.csv");
+    let rows: String = ring_down(400, 0.01).iter().map(|(t, x)| format!("{t},{x}\n")).collect();
+    std::fs::write(&data, format!("t_s,x_m\n{rows}")).expect("a file");
+    let other = data.replace("rig.csv", "./rig.csv");
+    for command in ["new", "go"] {
+        let said = phisindy(&[command, &data, &other]);
+        assert!(
+            said.code == 2 && said.err.contains("is named twice"),
+            "{command}: {} {}",
+            said.code,
+            said.err
+        );
+    }
+}

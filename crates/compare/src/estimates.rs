@@ -22,10 +22,10 @@ pub struct Estimates {
     /// What they are of.
     pub numbers: Vec<Number>,
     /// Their values.
-    #[serde(with = "crate::finite")]
+    #[serde(with = "crate::json_numbers")]
     pub values: Vec<f64>,
     /// Their covariance, in the order of `numbers`.
-    #[serde(with = "crate::finite::rows")]
+    #[serde(with = "crate::json_numbers::rows")]
     pub covariance: Vec<Vec<f64>>,
 }
 

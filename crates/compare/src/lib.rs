@@ -5,17 +5,17 @@
 //! Estimates of many        --population--> Population: spread, who stands out, intervals that know the others
 //! ```
 
-mod among;
 mod changes;
-mod curve;
 mod estimates;
-mod finite;
+mod force_curve;
+mod json_numbers;
 mod population;
+mod shrinkage;
 mod unit;
 
 pub use changes::{Changes, Difference, changes};
-pub use curve::{ForceCurve, mean_curve};
 pub use estimates::{Estimates, HALF_WIDTH_95, Number};
+pub use force_curve::{ForceCurve, mean_curve};
 pub use population::{Beside, Member, Population, Spread, population};
 pub use unit::{Cause, Comparison, Fleet, Unit};
 

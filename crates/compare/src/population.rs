@@ -6,8 +6,8 @@
 //! at once: each is left out in turn before the next is judged.
 
 use crate::FALSE_ALARMS;
-use crate::among::Among;
 use crate::estimates::Estimates;
+use crate::shrinkage::Shrinkage;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// How a number is spread over machines, without those that stand out.
@@ -124,12 +124,12 @@ pub fn population(all: &[Estimates]) -> Population {
         let (mean, between) = spread(&inner);
         let weight: f64 = inner.iter().map(|(_, s)| 1.0 / (between * between + s * s)).sum();
         let mean_error = (1.0 / weight).sqrt();
-        let among = Among::new(&inner, between);
+        let shrinkage = Shrinkage::new(&inner, between);
         for (k, &(index, value, std_error)) in column.estimates.iter().enumerate() {
             let stands_out = out.contains(&k);
             let whole = between.hypot(std_error);
-            let among_all = match &among {
-                Some(among) if !stands_out => among.drawn(value, std_error),
+            let among_all = match &shrinkage {
+                Some(shrinkage) if !stands_out => shrinkage.shrunk(value, std_error),
                 _ => (value, std_error),
             };
             let deviation = (value - mean) / whole;

@@ -1,8 +1,8 @@
 //! What is known of a machine, and of two of them.
 
 use crate::changes::Changes;
-use crate::curve::ForceCurve;
 use crate::estimates::Estimates;
+use crate::force_curve::ForceCurve;
 use crate::population::Population;
 use serde::{Deserialize, Serialize};
 
@@ -16,7 +16,7 @@ pub struct Cause {
     /// The value that the spec states, of a constant that has another one.
     pub stated: Option<f64>,
     /// Its numbers: name, value, 95 % interval, unit.
-    #[serde(with = "crate::finite::intervals")]
+    #[serde(with = "crate::json_numbers::intervals")]
     pub numbers: Vec<(String, f64, (f64, f64), String)>,
 }
 

@@ -4,7 +4,7 @@ mod error;
 mod fitted;
 mod input_error;
 mod noise_form;
-mod prior;
+mod occam_factor;
 mod records;
 mod score;
 mod spec_text;

@@ -220,6 +220,7 @@ impl Guess<'_> {
         if self.rig.is_some() {
             input_doubt = None;
         }
+        self.said_motion(displacement.or(velocities.first().copied()))?;
         let is_angle = displacement.or(velocities.first().copied()).is_some_and(|k| self.is_angle(k));
         // Beside a displacement a velocity adds nothing: it was usually computed from it, with delay and
         // smoothing.
@@ -344,6 +345,17 @@ impl Guess<'_> {
         }
     }
 
+    /// Whether what moves is what moves of the rig that the user says, as far as its unit tells.
+    fn said_motion(&self, moving: Option<usize>) -> Result<(), NoMotion> {
+        let (Some(rig), Some(moving)) = (self.rig, moving) else { return Ok(()) };
+        let what = match (rig.turns(), self.quantity(moving)) {
+            (Some(true), Quantity::Length | Quantity::Speed) => "an angle",
+            (Some(false), Quantity::Angle | Quantity::AngularSpeed) => "a displacement along a line",
+            _ => return Ok(()),
+        };
+        Err(NoMotion::Lacks { rig, what })
+    }
+
     /// The force or drive as the rig that the user says has it: one that must be there may have any name.
     fn said_force(
         &self,
@@ -356,10 +368,17 @@ impl Guess<'_> {
         if !driven {
             return Ok(None);
         }
-        let any =
-            || self.signals(|k| beside(k) && !matches!(self.quantity(k), Quantity::Length | Quantity::Angle));
-        let force = force.or_else(|| any().first().copied());
-        force.map(Some).ok_or(NoMotion::Lacks { rig, what: "a force, torque, current or voltage" })
+        // What a tester reads is a force; what drives another rig may be a current.
+        let tester = rig == Rig::Tester;
+        let acts = |k: usize| !(tester && self.quantity(k) == Quantity::Electric);
+        let any = || {
+            self.signals(|k| {
+                beside(k) && acts(k) && !matches!(self.quantity(k), Quantity::Length | Quantity::Angle)
+            })
+        };
+        let force = force.filter(|&k| acts(k)).or_else(|| any().first().copied());
+        let what = if tester { "a force or torque" } else { "a force, torque, current or voltage" };
+        force.map(Some).ok_or(NoMotion::Lacks { rig, what })
     }
 
     /// The column that says most about the force.

@@ -6,7 +6,7 @@ mod notation;
 mod overview;
 mod quarter_car;
 mod record;
-mod several;
+mod several_files;
 mod tester;
 
 use crate::draft::Draft;
@@ -31,7 +31,7 @@ pub fn spec_text(draft: &Draft, file: &str, next: &str) -> String {
 /// # Errors
 /// In words: which file is read in another way than the first one.
 pub fn spec_text_of(drafts: &[(&Draft, &str)], next: &str) -> Result<String, String> {
-    match drafts.iter().find_map(|other| several::unlike(drafts[0], *other)) {
+    match drafts.iter().find_map(|other| several_files::unlike(drafts[0], *other)) {
         Some(why) => Err(why),
         None => Ok(written(drafts, next)),
     }
@@ -44,7 +44,7 @@ fn written(drafts: &[(&Draft, &str)], next: &str) -> String {
     if drafts.len() > 1 {
         let all = drafts.iter().map(|(_, file)| *file).collect::<Vec<_>>().join(", ");
         head.push(format!("The records are those of {all}; the numbers above are those of the first file."));
-        let differ = several::differences(drafts);
+        let differ = several_files::differences(drafts);
         let what =
             if differ.is_empty() { "nothing that the files say".to_owned() } else { differ.join("; ") };
         head.push(format!(

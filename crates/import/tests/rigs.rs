@@ -86,6 +86,10 @@ fn a_rig_that_is_said_has_its_model() {
             &rows("t_s,theta_rad", |t| vec![t, (2.0 * t).sin()]),
             "for `--rig motor` there is no column of a force, torque, current or voltage",
         ),
+        (Rig::Tester, &turned, "for `--rig tester` there is no column of a force or torque"),
+        (Rig::Pendulum, &two, "for `--rig pendulum` there is no column of an angle"),
+        (Rig::RobotJoint, &two, "for `--rig robot-joint` there is no column of an angle"),
+        (Rig::Slider, &turned, "for `--rig slider` there is no column of a displacement along a line"),
     ] {
         let why = drafted(content, &said(rig)).expect_err("no draft");
         assert!(why.contains(what), "{why}");

@@ -128,6 +128,10 @@ fn sketched(text: &str, look: Look) -> Vec<String> {
 
 /// The names of the files, as a spec has them: all in one folder.
 fn names(paths: &[PathBuf]) -> Result<Vec<String>> {
+    // Counted twice, a record would seem to be known better than it is.
+    if let Some(k) = (1..paths.len()).find(|&k| paths[..k].iter().any(|earlier| same(earlier, &paths[k]))) {
+        return Err(anyhow!("`{}` is named twice: name each file once", paths[k].display()));
+    }
     let folder = |path: &Path| path.parent().map(Path::to_owned).unwrap_or_default();
     if let Some(other) = paths.iter().find(|path| folder(path) != folder(&paths[0])) {
         return Err(anyhow!(

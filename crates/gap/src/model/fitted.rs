@@ -2,7 +2,7 @@
 
 use super::error::ModelError;
 use super::input_error::{ColumnError, input_errors};
-use super::prior::OccamFactor;
+use super::occam_factor::OccamFactor;
 use super::score::Score;
 use super::trial_model::TrialModel;
 use crate::decisions::{CHOW, LITTLE_LEFT, NOT_WHITE, RESTS, STANDS_STILL};

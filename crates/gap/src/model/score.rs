@@ -1,6 +1,6 @@
 //! The score of a fitted model: all numbers that the search and its end decide on.
 
-use super::prior::OccamFactor;
+use super::occam_factor::OccamFactor;
 use crate::decisions::{
     CHANCE, EARLY_PRICE, EXPLAINED, FAR_OFF, INDEPENDENT, INPUT_PRICE, NOT_WHITE, SENSOR_PRICE,
 };

@@ -12,7 +12,7 @@ const VALUES: usize = 400;
 const FEWEST: usize = 4;
 
 /// What machines are like: values of the variance among them, each with the mean that it gives and with its weight.
-pub(crate) struct Among {
+pub(crate) struct Shrinkage {
     values: Vec<Value>,
 }
 
@@ -23,10 +23,10 @@ struct Value {
     weight: f64,
 }
 
-impl Among {
+impl Shrinkage {
     /// By estimates and their standard errors; `between` is the standard deviation that is likely. `None` of
     /// too few machines.
-    pub(crate) fn new(all: &[(f64, f64)], between: f64) -> Option<Among> {
+    pub(crate) fn new(all: &[(f64, f64)], between: f64) -> Option<Shrinkage> {
         if all.len() < FEWEST {
             return None;
         }
@@ -53,11 +53,11 @@ impl Among {
         values.iter_mut().for_each(|v| v.weight = (v.weight - largest).exp());
         let whole: f64 = values.iter().map(|v| v.weight).sum();
         values.iter_mut().for_each(|v| v.weight /= whole);
-        whole.is_finite().then_some(Among { values })
+        whole.is_finite().then_some(Shrinkage { values })
     }
 
     /// Value and standard error of a machine with this estimate.
-    pub(crate) fn drawn(&self, value: f64, std_error: f64) -> (f64, f64) {
+    pub(crate) fn shrunk(&self, value: f64, std_error: f64) -> (f64, f64) {
         let given = |of: &Value| {
             let own = of.variance / (of.variance + std_error * std_error);
             let at = of.mean + own * (value - of.mean);
