@@ -35,7 +35,10 @@ pub(super) fn page(report: &CompareReport, arguments: &[String]) -> Page {
             (headline.to_owned(), tone, format!("{} machines", fleet.units.len()))
         }
     };
-    let banner = Banner { tone, headline, text: capital(&report.sentence()) + ".", how: String::new() };
+    // What changed begins with the name of a number, which keeps its case.
+    let named = matches!(report, CompareReport::Pair(pair) if pair.verdict() == "changed");
+    let sentence = if named { report.sentence() } else { capital(&report.sentence()) };
+    let banner = Banner { tone, headline, text: sentence + ".", how: String::new() };
     let mut page = Page::of_refusal(&title, "compare", banner);
     page.figures("Forces on top of each other", |sheet| curves(report, sheet).into_iter().collect());
     page.figures("Numbers beside each other", |sheet| numbers(report, sheet).into_iter().collect());
