@@ -38,5 +38,6 @@ pub use system::requirement::Requirement;
 pub use system::sensor::{Sensor, SensorParameter};
 pub use system::table::{Samples, Table};
 pub use text::diagnostic::{Diagnostic, Label, Located, Severity, Source, SourceId, Sources};
+pub use text::format::format;
 pub use text::{spec, splice};
 pub use units::unit;

@@ -3,6 +3,7 @@
 
 mod check;
 mod energy;
+mod format;
 mod laws;
 mod mutated;
 mod spec;

@@ -11,7 +11,7 @@ const LONGEST: usize = 1 << 20;
 
 /// What a token is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(crate) enum Kind {
     /// `(`, `[` or `{`.
     Open(u8),
     /// `)`, `]` or `}`.
@@ -27,13 +27,13 @@ pub(super) enum Kind {
 }
 
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Token {
-    pub(super) kind: Kind,
-    pub(super) span: Span,
+pub(crate) struct Token {
+    pub(crate) kind: Kind,
+    pub(crate) span: Span,
 }
 
 /// All tokens; white space and comments are left out.
-pub(super) fn tokens(text: &str) -> Result<Vec<Token>, Mistake> {
+pub(crate) fn tokens(text: &str) -> Result<Vec<Token>, Mistake> {
     if text.len() > LONGEST {
         return Err(Mistake::new("the text is longer than 1 MiB", Span::new(0, 0), "")
             .help("data belong into a data file, read with `Csv(path: ...)`"));
