@@ -9,6 +9,7 @@
 //! ```
 
 pub(crate) mod diagnostic;
+pub mod fields;
 pub(crate) mod format;
 pub(crate) mod raw;
 pub mod spec;

@@ -3,6 +3,7 @@
 
 mod check;
 mod energy;
+mod fields;
 mod format;
 mod laws;
 mod mutated;
