@@ -64,7 +64,13 @@ pub fn complete(document: &Document<'_>, known: &Known, at: usize) -> (Vec<Compl
         for d in those {
             let about = words::name(document, known, d.name);
             let unit = d.unit.map_or(String::new(), |unit| format!(", {unit}"));
-            names.push(item(d.name, written(d.name), &format!("{}{unit}", d.kind.word()), about, Of::VARIABLE));
+            names.push(item(
+                d.name,
+                written(d.name),
+                &format!("{}{unit}", d.kind.word()),
+                about,
+                Of::VARIABLE,
+            ));
         }
         names.dedup_by(|a, b| a.label == b.label);
         names
@@ -82,26 +88,33 @@ pub fn complete(document: &Document<'_>, known: &Known, at: usize) -> (Vec<Compl
             }
             Form::Unit if quoted => {
                 word = identifier(document.text, word, at);
-                all.extend(names().map(|name| item(name, name.to_owned(), "unit", words::unit(name), Of::UNIT)));
+                all.extend(
+                    names().map(|name| item(name, name.to_owned(), "unit", words::unit(name), Of::UNIT)),
+                );
             }
             Form::Name(kinds) => {
                 let is = |kind| kinds.contains(&kind) || kind == Kind::Speed && kinds.contains(&Kind::State);
                 all.extend(names_of(&is));
             }
-            Form::LawId => all.extend(known.laws.iter().map(|(id, about)| {
-                item(id, written(id), "law", Some(about.clone()), Of::REFERENCE)
-            })),
+            Form::LawId => all.extend(
+                known
+                    .laws
+                    .iter()
+                    .map(|(id, about)| item(id, written(id), "law", Some(about.clone()), Of::REFERENCE)),
+            ),
             Form::Quoted(text) => all.push(item(text, written(text), "word", None, Of::ENUM_MEMBER)),
-            Form::Word(text) if !quoted => all.push(item(text, (*text).to_owned(), "word", None, Of::ENUM_MEMBER)),
+            Form::Word(text) if !quoted => {
+                all.push(item(text, (*text).to_owned(), "word", None, Of::ENUM_MEMBER))
+            }
             Form::Truth if !quoted => all.extend(
                 ["true", "false"].map(|text| item(text, text.to_owned(), "word", None, Of::ENUM_MEMBER)),
             ),
             Form::Call(name, _) if !quoted => {
                 all.push(item(name, format!("{name}("), "(...)", None, Of::CONSTRUCTOR));
             }
-            Form::Group(group) if !quoted => all.extend(group.variant.map(|name| {
-                item(name, format!("{name}("), "(...)", None, Of::CONSTRUCTOR)
-            })),
+            Form::Group(group) if !quoted => all.extend(
+                group.variant.map(|name| item(name, format!("{name}("), "(...)", None, Of::CONSTRUCTOR)),
+            ),
             _ => {}
         }
     }

@@ -63,7 +63,10 @@ fn laws(path: &Path, request: &Request) -> Vec<(String, String)> {
     // A law finds its neighbours beside itself.
     let folder = path.parent().filter(|parent| parent.ends_with("laws")).unwrap_or(path);
     let all = beside(folder, request).unwrap_or_else(|_| phisindy::Catalogue::built_in());
-    all.laws().iter().map(|entry| (entry.id.clone(), format!("{}. {}", entry.law.name, entry.law.about))).collect()
+    all.laws()
+        .iter()
+        .map(|entry| (entry.id.clone(), format!("{}. {}", entry.law.name, entry.law.about)))
+        .collect()
 }
 
 /// What is known of a text beside itself; its names keep what they measured where it has a mistake now.

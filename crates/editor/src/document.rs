@@ -64,7 +64,8 @@ impl<'t> Document<'t> {
     /// Reads a text. A law is told by its fields, or else by its folder.
     pub fn new(text: &'t str, path: &Path) -> Document<'t> {
         let root = read(text);
-        let keys: Vec<&str> = root.entries.iter().filter_map(|e| Some(&text[e.key.as_ref()?.span.range()])).collect();
+        let keys: Vec<&str> =
+            root.entries.iter().filter_map(|e| Some(&text[e.key.as_ref()?.span.range()])).collect();
         let known = |group: &Group| keys.iter().filter(|key| group.field(key).is_some()).count();
         let folder = path.parent().and_then(Path::file_name).is_some_and(|name| name == "laws");
         let law = known(&LAW) > known(&SPEC) || known(&LAW) == known(&SPEC) && folder;
@@ -92,7 +93,8 @@ impl<'t> Document<'t> {
     fn entry(&self, node: &Node, forms: &[&'static Form], k: usize, key: Option<&Node>) -> (Wants, Wants) {
         let (mut of_key, mut value) = (Wants::default(), Wants::default());
         let name = key.map(|key| &self.text[self.content(key).range()]);
-        let field = |group: &Group| name.and_then(|name| group.field(name)).map_or(&[][..], |f| f.form().each());
+        let field =
+            |group: &Group| name.and_then(|name| group.field(name)).map_or(&[][..], |f| f.form().each());
         for form in forms.iter().filter(|form| self.fits(node, form)) {
             let to = if name.is_some() { &mut of_key } else { &mut value };
             match form {
@@ -108,7 +110,9 @@ impl<'t> Document<'t> {
                     to.groups.push(group);
                     to.forms.extend(keys.each());
                     let bare = key.is_some_and(|key| key.shape == Shape::Name);
-                    value.forms.extend(name.iter().flat_map(|_| if bare { field(group) } else { values.each() }));
+                    value
+                        .forms
+                        .extend(name.iter().flat_map(|_| if bare { field(group) } else { values.each() }));
                 }
                 Form::List(item) => value.forms.extend(item.each()),
                 Form::Tuple(parts) | Form::Call(_, parts) => {
@@ -141,13 +145,18 @@ impl<'t> Document<'t> {
         let (mut node, mut forms) = (&self.root, vec![self.form]);
         loop {
             let here = |span: Span| span.start <= at && at <= span.end;
-            let blank = Place { wants: Wants::default(), around: node, word: Span::new(at, at), quoted: false };
+            let blank =
+                Place { wants: Wants::default(), around: node, word: Span::new(at, at), quoted: false };
             let leaf = |node: &Node, wants| {
                 let word = self.content(node);
                 let quoted = node.shape == Shape::Text && here(word);
                 Place { wants, word: if here(word) { word } else { node.span }, quoted, ..blank.clone() }
             };
-            let after = |from: usize| node.entries.get(from).map_or(node.span.end, |e| e.key.as_ref().unwrap_or(&e.value).span.start);
+            let after = |from: usize| {
+                node.entries
+                    .get(from)
+                    .map_or(node.span.end, |e| e.key.as_ref().unwrap_or(&e.value).span.start)
+            };
             let mut next = None;
             for (k, entry) in node.entries.iter().enumerate() {
                 let (of_key, wants) = self.entry(node, &forms, k, entry.key.as_ref());
@@ -156,7 +165,10 @@ impl<'t> Document<'t> {
                     _ => {}
                 }
                 let value = &entry.value;
-                if value.span.range().is_empty() && value.span.start <= at && at < after(k + 1).max(value.span.end + 1) {
+                if value.span.range().is_empty()
+                    && value.span.start <= at
+                    && at < after(k + 1).max(value.span.end + 1)
+                {
                     return Place { wants, ..blank };
                 }
                 if here(value.span) {
@@ -167,12 +179,17 @@ impl<'t> Document<'t> {
             match next {
                 Some((value, wants)) if self.is_inside(value, at) => (node, forms) = (value, wants.forms),
                 Some((value, wants)) => {
-                    let name = value.name.map(|span| Place { wants: wants.clone(), word: span, ..blank.clone() });
+                    let name =
+                        value.name.map(|span| Place { wants: wants.clone(), word: span, ..blank.clone() });
                     return name.unwrap_or_else(|| leaf(value, wants));
                 }
                 None => {
                     let before = node.entries.iter().filter(|e| e.value.span.end < at).count();
-                    let wants = if self.is_inside(node, at) { self.entry(node, &forms, before, None).1 } else { Wants::default() };
+                    let wants = if self.is_inside(node, at) {
+                        self.entry(node, &forms, before, None).1
+                    } else {
+                        Wants::default()
+                    };
                     return Place { wants, ..blank };
                 }
             }
@@ -190,9 +207,16 @@ impl<'t> Document<'t> {
     pub fn declared(&self) -> Vec<Declared<'_>> {
         let mut all = Vec::new();
         self.each(&self.root, &[self.form], &mut |name, wants, value| {
-            let kind = wants.forms.iter().find_map(|form| if let Form::Declares(kind) = form { Some(*kind) } else { None });
+            let kind = wants
+                .forms
+                .iter()
+                .find_map(|form| if let Form::Declares(kind) = form { Some(*kind) } else { None });
             let name = &self.text[self.content(name).range()];
-            all.extend(kind.map(|kind| Declared { name, kind, unit: value.and_then(|(v, forms)| self.unit(v, forms)) }));
+            all.extend(kind.map(|kind| Declared {
+                name,
+                kind,
+                unit: value.and_then(|(v, forms)| self.unit(v, forms)),
+            }));
         });
         all
     }

@@ -47,8 +47,8 @@ pub fn hover(document: &Document<'_>, known: &Known, at: usize) -> Option<(Strin
 pub(crate) fn identifier(text: &str, within: Span, at: usize) -> Span {
     let part = |c: char| c.is_alphanumeric() || c == '_';
     let (before, after) = (&text[within.start..at], &text[at..within.end]);
-    let start = before.rfind(|c| !part(c)).map_or(within.start, |k| {
-        within.start + k + before[k..].chars().next().map_or(0, char::len_utf8)
-    });
+    let start = before
+        .rfind(|c| !part(c))
+        .map_or(within.start, |k| within.start + k + before[k..].chars().next().map_or(0, char::len_utf8));
     Span::new(start, at + after.find(|c| !part(c)).unwrap_or(after.len()))
 }

@@ -35,7 +35,9 @@ mod tests {
     #[test]
     fn positions_count_units_of_utf_16() {
         let text = "aé😀b\r\nc";
-        for (at, line, character) in [(0, 0, 0), (1, 0, 1), (3, 0, 2), (7, 0, 4), (8, 0, 5), (10, 1, 0), (11, 1, 1)] {
+        for (at, line, character) in
+            [(0, 0, 0), (1, 0, 1), (3, 0, 2), (7, 0, 4), (8, 0, 5), (10, 1, 0), (11, 1, 1)]
+        {
             assert_eq!(position(text, at), Position::new(line, character), "{at}");
             assert_eq!(byte(text, Position::new(line, character)), at, "{at}");
         }

@@ -36,7 +36,8 @@ struct Defined {
 impl Defined {
     /// A reference to the schema of a group, which is made if it is not there yet.
     fn reference(&mut self, group: &'static Group, inside: &str) -> Value {
-        let known = self.groups.iter().find(|(other, _)| std::ptr::eq(*other, group)).map(|(_, name)| name.clone());
+        let known =
+            self.groups.iter().find(|(other, _)| std::ptr::eq(*other, group)).map(|(_, name)| name.clone());
         let name = known.unwrap_or_else(|| {
             let title = group.owner.replace('`', "").replace(' ', "-");
             // A stream of a text has no sheet.
@@ -62,7 +63,9 @@ impl Defined {
             properties.insert(field.0.to_owned(), schema);
             match field.3 {
                 Absent::Needed => required.push(field.0),
-                Absent::Without(other) => either.push(json!({ "anyOf": [{ "required": [field.0] }, { "required": [other] }] })),
+                Absent::Without(other) => {
+                    either.push(json!({ "anyOf": [{ "required": [field.0] }, { "required": [other] }] }))
+                }
                 Absent::Is(_) => {}
             }
         }
@@ -74,9 +77,7 @@ impl Defined {
     }
 
     fn form(&mut self, form: &'static Form, inside: &str) -> Value {
-        let variant = |name: &str, content: Value| {
-            json!({ "type": "object", "properties": { name: content }, "required": [name], "additionalProperties": false })
-        };
+        let variant = |name: &str, content: Value| json!({ "type": "object", "properties": { name: content }, "required": [name], "additionalProperties": false });
         match form {
             Form::Number => json!({ "type": "number" }),
             Form::Whole => json!({ "type": "integer", "minimum": 0 }),
@@ -100,14 +101,18 @@ impl Defined {
                 variant(name, content)
             }
             Form::List(item) => json!({ "type": "array", "items": self.form(item, inside) }),
-            Form::Map(_, value) => json!({ "type": "object", "additionalProperties": self.form(value, inside) }),
+            Form::Map(_, value) => {
+                json!({ "type": "object", "additionalProperties": self.form(value, inside) })
+            }
             Form::Mixed(group, _, value) => {
                 let mut schema = self.group(group, inside);
                 schema["additionalProperties"] = self.form(value, inside);
                 schema["required"] = json!([]);
                 schema
             }
-            Form::One(forms) => json!({ "anyOf": forms.iter().map(|form| self.form(form, inside)).collect::<Vec<_>>() }),
+            Form::One(forms) => {
+                json!({ "anyOf": forms.iter().map(|form| self.form(form, inside)).collect::<Vec<_>>() })
+            }
             Form::Prose
             | Form::Expression
             | Form::Unit

@@ -17,10 +17,11 @@ use lsp_types::notification::{
 use lsp_types::request::{Completion, DocumentSymbolRequest, Formatting, HoverRequest, Request as _};
 use lsp_types::{
     CompletionItem, CompletionOptions, CompletionParams, CompletionTextEdit, DidChangeTextDocumentParams,
-    DidCloseTextDocumentParams, DidOpenTextDocumentParams, DidSaveTextDocumentParams, DocumentFormattingParams, DocumentSymbol,
-    DocumentSymbolParams, Documentation, Hover, HoverContents, HoverParams, HoverProviderCapability,
-    MarkupContent, MarkupKind, OneOf, PublishDiagnosticsParams, ServerCapabilities, SymbolKind,
-    TextDocumentSyncCapability, TextDocumentSyncKind, TextDocumentSyncOptions, TextEdit, Uri,
+    DidCloseTextDocumentParams, DidOpenTextDocumentParams, DidSaveTextDocumentParams,
+    DocumentFormattingParams, DocumentSymbol, DocumentSymbolParams, Documentation, Hover, HoverContents,
+    HoverParams, HoverProviderCapability, MarkupContent, MarkupKind, OneOf, PublishDiagnosticsParams,
+    ServerCapabilities, SymbolKind, TextDocumentSyncCapability, TextDocumentSyncKind,
+    TextDocumentSyncOptions, TextEdit, Uri,
 };
 use phisindy::files::Request as Asked;
 use phisindy_expr::Span;
@@ -135,7 +136,8 @@ impl Files<'_> {
                 }
             }
             DidChangeTextDocument::METHOD => {
-                if let Ok(mut params) = note.extract::<DidChangeTextDocumentParams>(DidChangeTextDocument::METHOD)
+                if let Ok(mut params) =
+                    note.extract::<DidChangeTextDocumentParams>(DidChangeTextDocument::METHOD)
                     && let Some(change) = params.content_changes.pop()
                 {
                     self.take(params.text_document.uri, change.text);
@@ -169,13 +171,35 @@ impl Files<'_> {
     fn answer(&self, request: Request) -> Response {
         let Request { id, method, params } = request;
         match method.as_str() {
-            Completion::METHOD => self.about(id, params, |p: &CompletionParams| &p.text_document_position.text_document.uri, completion),
-            HoverRequest::METHOD => self.about(id, params, |p: &HoverParams| &p.text_document_position_params.text_document.uri, hovered),
-            Formatting::METHOD => self.about(id, params, |p: &DocumentFormattingParams| &p.text_document.uri, |document, _, _| formatted(document)),
-            DocumentSymbolRequest::METHOD => {
-                self.about(id, params, |p: &DocumentSymbolParams| &p.text_document.uri, |document, _, _| symbols(document))
-            }
-            _ => Response::new_err(id, ErrorCode::MethodNotFound as i32, format!("`{method}` is not known here")),
+            Completion::METHOD => self.about(
+                id,
+                params,
+                |p: &CompletionParams| &p.text_document_position.text_document.uri,
+                completion,
+            ),
+            HoverRequest::METHOD => self.about(
+                id,
+                params,
+                |p: &HoverParams| &p.text_document_position_params.text_document.uri,
+                hovered,
+            ),
+            Formatting::METHOD => self.about(
+                id,
+                params,
+                |p: &DocumentFormattingParams| &p.text_document.uri,
+                |document, _, _| formatted(document),
+            ),
+            DocumentSymbolRequest::METHOD => self.about(
+                id,
+                params,
+                |p: &DocumentSymbolParams| &p.text_document.uri,
+                |document, _, _| symbols(document),
+            ),
+            _ => Response::new_err(
+                id,
+                ErrorCode::MethodNotFound as i32,
+                format!("`{method}` is not known here"),
+            ),
         }
     }
 
@@ -190,7 +214,9 @@ impl Files<'_> {
         match serde_json::from_value::<P>(params) {
             Ok(params) => {
                 let uri = uri(&params);
-                let of = |(text, known): &(String, Known)| answer(&Document::new(text, &path(uri)), known, &params);
+                let of = |(text, known): &(String, Known)| {
+                    answer(&Document::new(text, &path(uri)), known, &params)
+                };
                 Response::new_ok(id, self.texts.get(uri.as_str()).map_or(Value::Null, of))
             }
             Err(error) => Response::new_err(id, ErrorCode::InvalidParams as i32, error.to_string()),
@@ -243,7 +269,11 @@ fn symbols(document: &Document<'_>) -> Value {
     json!(symbols_in(document, &document.root, 1))
 }
 
-fn symbols_in(document: &Document<'_>, node: &phisindy_phys::outline::Node, below: usize) -> Vec<DocumentSymbol> {
+fn symbols_in(
+    document: &Document<'_>,
+    node: &phisindy_phys::outline::Node,
+    below: usize,
+) -> Vec<DocumentSymbol> {
     let symbol = |entry: &phisindy_phys::outline::Entry| {
         let key = entry.key.as_ref()?;
         let name = document.text[document.content(key).range()].to_owned();

@@ -96,7 +96,11 @@ pub(crate) fn function(name: &str) -> Option<String> {
 pub(crate) fn unit(text: &str) -> Option<String> {
     let unit = Unit::parse(text).ok()?;
     let written = if text.trim().is_empty() { "no unit" } else { text.trim() };
-    Some(format!("**{written}**: {} {}", unit.factor, if unit.dimension.is_none() { "(a plain number)".to_owned() } else { unit.dimension.to_string() }))
+    Some(format!(
+        "**{written}**: {} {}",
+        unit.factor,
+        if unit.dimension.is_none() { "(a plain number)".to_owned() } else { unit.dimension.to_string() }
+    ))
 }
 
 #[cfg(test)]

@@ -15,7 +15,9 @@ fn samples(form: &Form, k: usize) -> Vec<String> {
         Form::Expression => quoted("1"),
         Form::Unit => quoted("m"),
         Form::File => quoted("a.csv"),
-        Form::Prose | Form::Header | Form::LawId | Form::Free | Form::Declares(_) | Form::Name(_) => quoted("x"),
+        Form::Prose | Form::Header | Form::LawId | Form::Free | Form::Declares(_) | Form::Name(_) => {
+            quoted("x")
+        }
         Form::Word(word) => vec![(*word).to_owned()],
         Form::Quoted(word) => quoted(word),
         Form::Group(group) => groups(group),
@@ -50,7 +52,8 @@ fn groups(group: &Group) -> Vec<String> {
         all.extend(one.map(|(field, value)| written(field, &value)));
         format!("{}({})", group.variant.unwrap_or(""), all.join(", "))
     };
-    let each = group.fields.iter().flat_map(|field| samples(field.form(), 0).into_iter().map(move |v| (field, v)));
+    let each =
+        group.fields.iter().flat_map(|field| samples(field.form(), 0).into_iter().map(move |v| (field, v)));
     std::iter::once(with(None)).chain(each.map(|one| with(Some(one)))).collect()
 }
 
@@ -84,7 +87,11 @@ fn the_outline_of_a_cut_text_has_its_places() {
     for at in (0..text.len()).filter(|at| text.is_char_boundary(*at)) {
         let mut nodes = vec![outline::read(&text[..at])];
         while let Some(node) = nodes.pop() {
-            assert!(node.span.start <= node.span.end && node.span.end <= at && text.get(node.span.range()).is_some());
+            assert!(
+                node.span.start <= node.span.end
+                    && node.span.end <= at
+                    && text.get(node.span.range()).is_some()
+            );
             nodes.extend(node.entries.into_iter().flat_map(|e| [Some(e.value), e.key]).flatten());
         }
     }

@@ -67,7 +67,10 @@ pub(crate) fn dimensions(spec: &Spec, source: SourceId) -> Result<Units, Vec<Dia
 pub fn measures(spec: &Spec) -> HashMap<String, Dimension> {
     let mut survey = Survey::new(spec, SourceId(0), true);
     survey.all();
-    let known = survey.names.iter().filter_map(|(name, q)| Some(((*name).to_owned(), survey.unit(q.measure.clone())?)));
+    let known = survey
+        .names
+        .iter()
+        .filter_map(|(name, q)| Some(((*name).to_owned(), survey.unit(q.measure.clone())?)));
     known.collect()
 }
 

@@ -307,4 +307,5 @@ group! { INDISTINGUISHABLE = "`indistinguishable`", None;
 }
 
 /// A stream of a `Csv`: a text has no sheets.
-pub static CSV_STREAM: Group = Group { owner: "a stream", variant: None, fields: STREAM.fields.split_at(STREAM.fields.len() - 1).0 };
+pub static CSV_STREAM: Group =
+    Group { owner: "a stream", variant: None, fields: STREAM.fields.split_at(STREAM.fields.len() - 1).0 };

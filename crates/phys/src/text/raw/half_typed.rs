@@ -18,7 +18,8 @@ use phisindy_expr::Span;
 /// ```
 pub fn read(text: &str) -> Node {
     let tokens = tokens(text).unwrap_or_else(|_| half_typed_tokens(text));
-    let all = Node { shape: Shape::List, span: Span::new(0, text.len()), name: None, inside: 0, entries: vec![] };
+    let all =
+        Node { shape: Shape::List, span: Span::new(0, text.len()), name: None, inside: 0, entries: vec![] };
     let mut open = vec![Bracket { node: all, key: None, colon: 0, value: None }];
     for Token { kind, span } in tokens {
         let depth = open.len() - 1;
@@ -102,7 +103,8 @@ fn close(open: &mut Vec<Bracket>, from: usize, by: Span) {
     while open.len() > from {
         let Some(mut bracket) = open.pop() else { return };
         bracket.flush();
-        bracket.node.span = Span::new(bracket.node.span.start, if open.len() == from { by.end } else { by.start });
+        bracket.node.span =
+            Span::new(bracket.node.span.start, if open.len() == from { by.end } else { by.start });
         if let Some(parent) = open.last_mut() {
             parent.value = Some(bracket.node);
         }

@@ -105,11 +105,7 @@ impl<'t> Reader<'t> {
     }
 
     /// The fields of `(...)` or `Name(...)`; what is wrong with their names is noted.
-    pub(crate) fn fields<'n>(
-        &mut self,
-        node: &'n Node,
-        group: &'static Group,
-    ) -> Option<Fields<'n, 't>> {
+    pub(crate) fn fields<'n>(&mut self, node: &'n Node, group: &'static Group) -> Option<Fields<'n, 't>> {
         let (owner, allowed) = (group.owner, group.names());
         if node.shape != Shape::Group {
             let help = format!("write the fields in round brackets: ({}: ...)", allowed[0]);
