@@ -206,35 +206,30 @@ impl<'t> Document<'t> {
     /// The names that it declares.
     pub fn declared(&self) -> Vec<Declared<'_>> {
         let mut all = Vec::new();
-        self.each(&self.root, &[self.form], &mut |name, wants, value| {
-            let kind = wants
-                .forms
-                .iter()
-                .find_map(|form| if let Form::Declares(kind) = form { Some(*kind) } else { None });
-            let name = &self.text[self.content(name).range()];
-            all.extend(kind.map(|kind| Declared {
-                name,
-                kind,
-                unit: value.and_then(|(v, forms)| self.unit(v, forms)),
-            }));
-        });
+        self.declare(&self.root, &[self.form], &mut all);
         all
     }
 
-    /// Visits all keys and plain values below a bracket: what stands there, what may, and what a key leads to.
-    fn each<'d>(
-        &'d self,
-        node: &'d Node,
-        forms: &[&'static Form],
-        visit: &mut dyn FnMut(&'d Node, &Wants, Option<(&'d Node, &[&'static Form])>),
-    ) {
+    /// Adds the names that are declared in a bracket, and below.
+    fn declare<'d>(&'d self, node: &'d Node, forms: &[&'static Form], all: &mut Vec<Declared<'d>>) {
+        let kind = |wants: &Wants| {
+            wants
+                .forms
+                .iter()
+                .find_map(|form| if let Form::Declares(kind) = form { Some(*kind) } else { None })
+        };
+        let name = |node: &Node| &self.text[self.content(node).range()];
         for (k, entry) in node.entries.iter().enumerate() {
             let (of_key, wants) = self.entry(node, forms, k, entry.key.as_ref());
-            entry.key.iter().for_each(|key| visit(key, &of_key, Some((&entry.value, &wants.forms))));
-            match entry.value.shape {
-                Shape::List | Shape::Map | Shape::Group => self.each(&entry.value, &wants.forms, visit),
-                _ => visit(&entry.value, &wants, None),
-            }
+            let (key, value) = (entry.key.as_ref().zip(kind(&of_key)), &entry.value);
+            all.extend(key.map(|(key, kind)| Declared {
+                name: name(key),
+                kind,
+                unit: self.unit(value, &wants.forms),
+            }));
+            // The speed beside a coordinate.
+            all.extend(kind(&wants).map(|kind| Declared { name: name(value), kind, unit: None }));
+            self.declare(value, &wants.forms, all);
         }
     }
 

@@ -24,7 +24,7 @@ pub fn hover(document: &Document<'_>, known: &Known, at: usize) -> Option<(Strin
     if let Some((group, field)) = field {
         return Some((words::field(group, field), word));
     }
-    let said = |form: &&Form| match form {
+    let said = |form: &Form| match form {
         Form::Unit if quoted => words::unit(text).map(|said| (said, word)),
         Form::Expression if quoted => {
             let name = identifier(document.text, word, at);
@@ -40,7 +40,7 @@ pub fn hover(document: &Document<'_>, known: &Known, at: usize) -> Option<(Strin
         }
         _ => None,
     };
-    wants.forms.iter().find_map(|form| said(&form))
+    wants.forms.iter().find_map(|form| said(form))
 }
 
 /// The name around a place of a text.

@@ -25,7 +25,9 @@ use lsp_types::{
 };
 use phisindy::files::Request as Asked;
 use phisindy_expr::Span;
+use phisindy_phys::outline::{Entry, Node};
 use phisindy_phys::{SourceId, format};
+use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 use std::collections::HashMap;
 use std::path::PathBuf;
@@ -128,33 +130,34 @@ struct Files<'a> {
 }
 
 impl Files<'_> {
+    /// A note that cannot be read is passed over.
     fn note(&mut self, note: Notification) {
         match note.method.as_str() {
             DidOpenTextDocument::METHOD => {
-                if let Ok(params) = note.extract::<DidOpenTextDocumentParams>(DidOpenTextDocument::METHOD) {
-                    self.take(params.text_document.uri, params.text_document.text);
+                if let Some(DidOpenTextDocumentParams { text_document: file }) = read(note) {
+                    self.take(file.uri, file.text);
                 }
             }
             DidChangeTextDocument::METHOD => {
-                if let Ok(mut params) =
-                    note.extract::<DidChangeTextDocumentParams>(DidChangeTextDocument::METHOD)
-                    && let Some(change) = params.content_changes.pop()
+                if let Some(DidChangeTextDocumentParams { text_document: file, mut content_changes }) =
+                    read(note)
+                    && let Some(change) = content_changes.pop()
                 {
-                    self.take(params.text_document.uri, change.text);
+                    self.take(file.uri, change.text);
                 }
             }
             // Data files may have changed as well.
             DidSaveTextDocument::METHOD => {
-                if let Ok(params) = note.extract::<DidSaveTextDocumentParams>(DidSaveTextDocument::METHOD)
-                    && let Some((text, _)) = self.texts.get(params.text_document.uri.as_str())
+                if let Some(DidSaveTextDocumentParams { text_document: file, .. }) = read(note)
+                    && let Some((text, _)) = self.texts.get(file.uri.as_str())
                 {
-                    let _ = self.checks.send((params.text_document.uri, Some(text.clone())));
+                    let _ = self.checks.send((file.uri, Some(text.clone())));
                 }
             }
             DidCloseTextDocument::METHOD => {
-                if let Ok(params) = note.extract::<DidCloseTextDocumentParams>(DidCloseTextDocument::METHOD) {
-                    self.texts.remove(params.text_document.uri.as_str());
-                    let _ = self.checks.send((params.text_document.uri, None));
+                if let Some(DidCloseTextDocumentParams { text_document: file }) = read(note) {
+                    self.texts.remove(file.uri.as_str());
+                    let _ = self.checks.send((file.uri, None));
                 }
             }
             _ => {}
@@ -204,7 +207,7 @@ impl Files<'_> {
     }
 
     /// Answers a request about a file; a file that is not open has no answer.
-    fn about<P: serde::de::DeserializeOwned>(
+    fn about<P: DeserializeOwned>(
         &self,
         id: RequestId,
         params: Value,
@@ -222,6 +225,10 @@ impl Files<'_> {
             Err(error) => Response::new_err(id, ErrorCode::InvalidParams as i32, error.to_string()),
         }
     }
+}
+
+fn read<P: DeserializeOwned>(note: Notification) -> Option<P> {
+    serde_json::from_value(note.params).ok()
 }
 
 fn markdown(value: String) -> MarkupContent {
@@ -269,12 +276,8 @@ fn symbols(document: &Document<'_>) -> Value {
     json!(symbols_in(document, &document.root, 1))
 }
 
-fn symbols_in(
-    document: &Document<'_>,
-    node: &phisindy_phys::outline::Node,
-    below: usize,
-) -> Vec<DocumentSymbol> {
-    let symbol = |entry: &phisindy_phys::outline::Entry| {
+fn symbols_in(document: &Document<'_>, node: &Node, below: usize) -> Vec<DocumentSymbol> {
+    let symbol = |entry: &Entry| {
         let key = entry.key.as_ref()?;
         let name = document.text[document.content(key).range()].to_owned();
         let children = (below > 0).then(|| symbols_in(document, &entry.value, below - 1));

@@ -108,6 +108,28 @@ fn all_specs_and_laws_keep_their_meaning_and_comments() {
     assert!(seen > 130, "{seen}");
 }
 
+#[test]
+fn odd_spellings_stay() {
+    let odd = [
+        "#![enable(implicit_some)]\n#![enable(unwrap_newtypes)] // both\n(a:1,)",
+        "(title:\"a \\\"quoted\\\" one // no comment\",b:r#\"/* \"( */\"#,c:'\\'',d:',')",
+        "(a:[1,2,],b:X(3,),c:Some(None),d:{},e:(),f:[/* nothing */],)// end\n",
+        "(a: \"two\nlines\", b: { \"k\": [1, /* a\n b */ 2] })",
+        "[1\n//c\n, /*d*/ 2 // e\n , // f\n 3]",
+        "{ // why\n\n\n \"x\" /* b */ : /* c */ -1e-3, }",
+        "\r\n\r\n(a: 1, // one\r\n\r\n\r\n b: 2)\r\n// end",
+        "()",
+    ];
+    for text in odd {
+        assert!(formatted(text).is_some(), "{text}");
+    }
+    let aligned = "(\n    a: 1,       // one\n    long: 2.50, // two\n)\n";
+    assert_eq!(formatted(aligned).as_deref(), Some(aligned));
+    let dos = formatted("(\r\n a: 1, b: 2)").expect("RON");
+    assert_eq!(dos, "(\r\n    a: 1,\r\n    b: 2,\r\n)\r\n");
+    assert!(format("(a: 1 b: 2)", SourceId(0)).is_err() && format("", SourceId(0)).is_err());
+}
+
 /// White space and comments of all kinds.
 const BETWEEN: &[&str] = &[
     " ",
