@@ -11,7 +11,7 @@ use crate::roles::{Doubt, ENCODERS, Evidence, Input, Roles};
 use crate::start_values::{Drive, Estimate, Motion, loses};
 use crate::statistics::{Statistics, Stops, stops};
 use crate::table::{Column, Table};
-use crate::time_column::{NoTime, TimeColumn, is_whole};
+use crate::time_column::{NoTime, TimeColumn, is_whole, names_time};
 use crate::usage::Usage;
 use phisindy_phys::{Wrap, wraps};
 use phisindy_signal::{integral, moves_by_jumps, strongest_line, twice_integrated};
@@ -162,6 +162,7 @@ impl Draft {
             .chain(draft.motion_unit())
             .chain(draft.coarse_time())
             .chain(draft.stated_rate())
+            .chain(draft.not_read(answers.rig))
             .chain(draft.wrapped(&longest_run))
             .chain(remarks)
             .collect();
@@ -342,6 +343,19 @@ impl Draft {
         let seen = 1.0 / (self.time.step * self.factor(self.time.column));
         let differs = (seen / stated.rate - 1.0).abs() > 0.02;
         differs.then_some(Remark::RateDiffers { stated, seen })
+    }
+
+    /// Remarks on columns that have no part because of what the user says.
+    fn not_read(&self, rig: Option<Rig>) -> Vec<Remark> {
+        let heading = |c: usize| self.raw(c).to_owned();
+        let times = self.time.told.then(|| self.table.columns.iter().position(names_time)).flatten();
+        let times = times.filter(|&c| c != self.time.column);
+        let drive = self.roles.denied.zip(rig);
+        let times = times.map(|c| Remark::TimesNotRead { heading: heading(c) });
+        times
+            .into_iter()
+            .chain(drive.map(|(c, rig)| Remark::DriveNotRead { heading: heading(c), rig }))
+            .collect()
     }
 
     /// Estimates the start values from the first record: from its good rows, and of these from the rows in

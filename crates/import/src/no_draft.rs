@@ -34,20 +34,19 @@ impl NoDraft {
         let (message, help) = match self {
             NoDraft::Time(NoTime::Text { heading, mistake }) => {
                 return Box::new(mistake.help(format!(
-                    "`{heading}` should be time: write it as a number of seconds, or say how many rows there are in a second: `phisindy new --rate HZ`"
+                    "`{heading}` should be time: write it as a number of seconds, or say how many rows there are in a second: `--rate HZ`"
                 )));
             }
             NoDraft::Time(why @ NoTime::NotGrowing { falls: true, .. }) => {
                 (why.to_string(), "turn the order of the rows round, so that the first sample stands first")
             }
-            NoDraft::Time(why @ NoTime::NoRate { .. }) => (
-                why.to_string(),
-                "say it: `phisindy new --rate 1000Hz`, or write `# fs = 1000 Hz` above the heading",
-            ),
+            NoDraft::Time(why @ NoTime::NoRate { .. }) => {
+                (why.to_string(), "say it: `--rate 1000Hz`, or write `# fs = 1000 Hz` above the heading")
+            }
             NoDraft::Time(why) => (
                 why.to_string(),
                 "add a column `time_s`, in seconds from the start, that grows from row to row; if the rows are even, say how many there are in a \
-                 second: `phisindy new --rate HZ`",
+                 second: `--rate HZ`",
             ),
             NoDraft::ChannelOfEachRow { heading, names } => (
                 format!(

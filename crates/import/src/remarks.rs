@@ -1,5 +1,6 @@
 //! Remarks on a draft: what the user should know before a run.
 
+use crate::rig::Rig;
 use crate::stated_rate::StatedRate;
 use crate::time_column::Coarse;
 use std::fmt;
@@ -29,6 +30,18 @@ pub enum Remark {
     CoarseTime(Coarse),
     /// No column is time, and the header states the rate.
     StatedRate(StatedRate),
+    /// The user says the rate, and the file has times.
+    TimesNotRead {
+        /// Heading of their column.
+        heading: String,
+    },
+    /// What drives is measured, and of the rig that the user says nothing drives.
+    DriveNotRead {
+        /// Heading of its column.
+        heading: String,
+        /// The rig.
+        rig: Rig,
+    },
     /// The times and the header of the file differ in their rate.
     RateDiffers {
         /// What the header states.
@@ -91,8 +104,11 @@ pub enum Remark {
 impl Remark {
     /// Whether the user has to check or correct something before a run.
     pub fn needs_edit(&self) -> bool {
-        use Remark::{MoreTrials, Note, OmittedRows, OtherSheets, StatedRate};
-        !matches!(self, MoreTrials { .. } | OmittedRows { .. } | OtherSheets(_) | Note(_) | StatedRate(_))
+        use Remark::{DriveNotRead, MoreTrials, Note, OmittedRows, OtherSheets, StatedRate, TimesNotRead};
+        let said = matches!(self, TimesNotRead { .. } | DriveNotRead { .. });
+        let told =
+            matches!(self, MoreTrials { .. } | OmittedRows { .. } | OtherSheets(_) | Note(_) | StatedRate(_));
+        !(said || told)
     }
 }
 
@@ -116,7 +132,7 @@ impl fmt::Display for Remark {
             ),
             Remark::NoTimes => f.write_str(
                 "the file has no times: of slow cycles the force hangs on the way alone, so a row is taken for a second, and what hangs on the \
-                 speed means nothing (say how many rows there are in a second: `phisindy new --rate HZ`)",
+                 speed means nothing (say how many rows there are in a second: `--rate HZ`)",
             ),
             Remark::CoarseTime(Coarse { heading, step, rows: (least, most), rate }) => write!(
                 f,
@@ -126,6 +142,12 @@ impl fmt::Display for Remark {
             ),
             Remark::StatedRate(StatedRate { rate, line, text }) => {
                 write!(f, "no column is time: {rate} rows per second, as line {line} says: `{text}`")
+            }
+            Remark::TimesNotRead { heading } => {
+                write!(f, "`{heading}` is not read: `--rate` counts the rows")
+            }
+            Remark::DriveNotRead { heading, rig } => {
+                write!(f, "`{heading}` is not read: nothing drives a rig that is `{rig}`")
             }
             Remark::RateDiffers { stated: StatedRate { rate, line, text }, seen } => write!(
                 f,
@@ -142,7 +164,7 @@ impl fmt::Display for Remark {
                 let list = names.join("`, `");
                 write!(
                     f,
-                    "the file has other sheets with numbers: `{list}` (name one with `phisindy new --sheet`)"
+                    "the file has other sheets with numbers: `{list}` (name one with `--sheet`)"
                 )
             }
             Remark::Note(what) => f.write_str(what),

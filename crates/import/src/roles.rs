@@ -111,6 +111,8 @@ pub struct Roles {
     pub wheel: Option<usize>,
     /// The input.
     pub input: Input,
+    /// What would be taken for a drive if the user did not say that nothing drives.
+    pub denied: Option<usize>,
     /// Whether the motion is an angle.
     pub is_angle: bool,
     /// Selects the rows in which the drive is off or the data are valid.
@@ -232,7 +234,9 @@ impl Guess<'_> {
         }
         let beside =
             |k: usize| Some(k) != displacement && !velocities.contains(&k) && !accelerations.contains(&k);
-        let force = self.said_force(self.force(displacement, base, &velocities, &accelerations), beside)?;
+        let seen = self.force(displacement, base, &velocities, &accelerations);
+        let force = self.said_force(seen, beside)?;
+        let denied = seen.filter(|_| force.is_none());
         // What moves in volts or counts has no mass in kilograms.
         let moving = displacement.or(velocity).or(acceleration);
         let mechanical = moving.is_some_and(|k| {
@@ -266,6 +270,7 @@ impl Guess<'_> {
             acceleration,
             wheel,
             input,
+            denied,
             is_angle,
             selector,
             velocities,

@@ -411,7 +411,7 @@ pub(crate) fn is_named_time(heading: &Heading) -> bool {
 }
 
 /// Whether a column is named as time. A `T` that does not grow is a torque.
-fn names_time(column: &Column) -> bool {
+pub(crate) fn names_time(column: &Column) -> bool {
     is_named_time(&column.heading) && (!column.heading.is_capital_t() || grows(column))
 }
 

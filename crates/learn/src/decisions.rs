@@ -230,6 +230,12 @@ decisions! {
     HORIZON_STEPS: usize = 10, "times", Basis::Convention("decades");
     /// ... beside a linear model, where no step of the time differs by more than this.
     EVEN: f64 = 0.05, "part of a step", Basis::Judgement("an autoregression knows no times");
+    /// Analogues of a moment ...
+    ANALOGUES: usize = 2, "moments", Basis::Judgement("a record of three cycles has two more of each moment");
+    /// ... each a history of as many quarters of a period ...
+    ANALOGUE_LAGS: usize = 4, "quarters", Basis::Derived("a whole period");
+    /// ... among at most so many moments.
+    ANALOGUE_POINTS: usize = 2000, "moments", Basis::Judgement("cost: all pairs are looked at");
     /// A force that is left and follows the motion with more than this part of the whole rate is a law.
     LAW_MISSING: f64 = 0.1, "part of the rate", Basis::Judgement("a tenth of the force is more than laws of friction differ by from rig to rig");
     /// Records whose numbers are further apart than this are not of one machine.
@@ -342,8 +348,9 @@ decisions! {
     AGREEMENT_MINIMUM: [f64; 2] = [20.0, 1e-6], "iterations, part of the cost", NUMERICS;
     /// Damping of the distance between the two.
     AGREEMENT_DAMPING: f64 = 1e-9, "part of the diagonal", NUMERICS;
-    /// A motion of which at least this part lies in one line of its spectrum goes in cycles.
-    CYCLIC: f64 = 0.5, "part of the power", Basis::Judgement("more than all else together");
+    /// A motion goes in cycles of which this part lies in one line of its spectrum; what is left is a force of the motion
+    /// if this part follows it.
+    MOSTLY: f64 = 0.5, "part of the power", Basis::Judgement("more than all else together");
 
     // Calibration, for the gap workflow.
 

@@ -7,6 +7,7 @@
 //! ```
 
 pub(crate) mod agreement;
+pub(crate) mod analogues;
 pub(crate) mod calibrate;
 pub(crate) mod chain;
 pub(crate) mod chain_selection;

@@ -39,7 +39,7 @@ pub(crate) fn command(args: &GoArgs, options: &Options) -> Result<u8> {
         let quiet = Options { quiet: true, out: Some(spec.clone()), ..options.clone() };
         std::fs::create_dir_all(&out)?;
         // A search on what nobody knows would be one on an invention.
-        let code = new::written(&draft, &quiet, false);
+        let code = new::written(&draft, &quiet, new::Purpose::Search);
         if !matches!(code, Ok(0)) {
             // Only if there is nothing in it.
             let _ = std::fs::remove_dir(&out);

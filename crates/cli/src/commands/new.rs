@@ -21,14 +21,23 @@ use std::path::{Path, PathBuf};
 /// # Errors
 /// The spec cannot be written.
 pub(crate) fn command(args: &NewArgs, options: &Options) -> Result<u8> {
-    written(args, options, true)
+    written(args, options, Purpose::Draft)
 }
 
-/// The same; where questions are open and `open_questions` is false, it writes nothing and asks them.
+/// What a draft is written for.
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) enum Purpose {
+    /// To be looked at: `new`.
+    Draft,
+    /// To be searched at once: `go`. Where questions are open it is not written, and they are asked.
+    Search,
+}
+
+/// The same for a purpose.
 ///
 /// # Errors
 /// The spec cannot be written.
-pub(crate) fn written(args: &NewArgs, options: &Options, open_questions: bool) -> Result<u8> {
+pub(crate) fn written(args: &NewArgs, options: &Options, purpose: Purpose) -> Result<u8> {
     let out = options.out.as_deref().filter(|out| *out != Path::new("-"));
     // Checked before any work: an existing spec may contain hours of edits.
     if let Some(out) = out {
@@ -49,8 +58,10 @@ pub(crate) fn written(args: &NewArgs, options: &Options, open_questions: bool) -
     let files = names(&args.paths)?;
     let mut sources = Sources::default();
     let mut answers = args.said.answers();
-    let drafts = loop {
-        let each = args.paths.iter().map(|path| drafted(path, args, &answers, options.quiet, &mut sources));
+    let next = next_command(args, out);
+    let (drafts, text) = loop {
+        let each =
+            args.paths.iter().map(|path| drafted(path, args, &answers, purpose, options.quiet, &mut sources));
         let drafts = match each.collect::<Result<Vec<Draft>, _>>() {
             Ok(drafts) => drafts,
             Err(d) => {
@@ -58,8 +69,20 @@ pub(crate) fn written(args: &NewArgs, options: &Options, open_questions: bool) -
                 return Ok(INPUT);
             }
         };
+        let each: Vec<(&Draft, &str)> =
+            drafts.iter().zip(&files).map(|(d, file)| (d, file.as_str())).collect();
+        // Before any question: files of two rigs have no answer in common.
+        let text = match spec_text_of(&each, &next) {
+            Ok(text) => text,
+            Err(why) => {
+                let d = Diagnostic::error(why)
+                    .help("draft it alone, or give its columns the same headings and units");
+                draw::show([&d], &sources);
+                return Ok(INPUT);
+            }
+        };
         if !asked(&drafts, &mut answers)? {
-            break drafts;
+            break (drafts, text);
         }
     };
     let open = |(draft, path): (&Draft, &PathBuf)| -> Vec<Diagnostic> {
@@ -67,22 +90,11 @@ pub(crate) fn written(args: &NewArgs, options: &Options, open_questions: bool) -
         draft.questions.iter().map(ask).collect()
     };
     let questions: Vec<Diagnostic> = drafts.iter().zip(&args.paths).flat_map(open).collect();
-    if !open_questions && !questions.is_empty() {
+    if purpose == Purpose::Search && !questions.is_empty() {
         draw::show(questions.iter(), &sources);
         return Ok(INPUT);
     }
-    let next = next_command(args, out);
     let (draft, file) = (&drafts[0], &files[0]);
-    let each: Vec<(&Draft, &str)> = drafts.iter().zip(&files).map(|(d, file)| (d, file.as_str())).collect();
-    let text = match spec_text_of(&each, &next) {
-        Ok(text) => text,
-        Err(why) => {
-            let d = Diagnostic::error(why)
-                .help("draft it alone, or give its columns the same headings and units");
-            draw::show([&d], &sources);
-            return Ok(INPUT);
-        }
-    };
     let text = match phisindy::files::with_assignments(text, &options.sets, &mut sources) {
         Ok(text) => text,
         Err(d) => {
@@ -101,7 +113,7 @@ pub(crate) fn written(args: &NewArgs, options: &Options, open_questions: bool) -
         None => print(&text)?,
     }
     if !options.quiet {
-        for (draft, file) in &each {
+        for (draft, file) in drafts.iter().zip(&files) {
             summary(draft, file).iter().for_each(|line| remark(line));
         }
         // A pipe, or a terminal that shows the spec itself, gets no picture of it.
@@ -179,11 +191,13 @@ fn drafted(
     path: &Path,
     args: &NewArgs,
     answers: &Answers,
+    purpose: Purpose,
     quiet: bool,
     sources: &mut Sources,
 ) -> Result<Draft, Box<Diagnostic>> {
     let name = path.display().to_string();
-    let words = format!("phisindy new {name}");
+    let command = if purpose == Purpose::Draft { "new" } else { "go" };
+    let words = format!("phisindy {command} {name}");
     let at = (sources.add("command line", words.clone()), Span::new(words.len() - name.len(), words.len()));
     let progress = RefCell::new(Progress::new("reading", quiet));
     let opened = phisindy::files::open_plain_file(path).and_then(|file| Ok((file.metadata()?.len(), file)));

@@ -3,7 +3,7 @@
 
 use super::identified::Identified;
 use super::term::Contribution;
-use crate::decisions::CYCLIC;
+use crate::decisions::MOSTLY;
 use phisindy_expr::{Scratch, Tape};
 use phisindy_phys::spec::Role;
 use phisindy_phys::unit::{Dimension, Unit};
@@ -120,5 +120,5 @@ pub(super) fn is_velocity(system: &System, state: usize) -> bool {
 fn frequency(system: &System, velocity: usize, record: &Record, run: &Trajectory) -> f64 {
     let displacement = system.states.iter().position(|s| s.velocity == Some(velocity));
     let line = strongest_line(&record.time, &run.column(displacement.unwrap_or(velocity)));
-    line.filter(|line| line.share > CYCLIC).map_or(f64::NAN, |line| line.frequency)
+    line.filter(|line| line.share > MOSTLY).map_or(f64::NAN, |line| line.frequency)
 }

@@ -126,13 +126,15 @@ pub enum Rejection {
     Unfulfilled(Unfulfilled),
     /// A passive law was fitted so that it feeds the motion.
     Feeds(PassivityViolation),
-    /// The force that is left follows the motion: a law is missing.
+    /// What is left follows the motion: a law is missing.
     LawMissing {
         /// Name of the record.
         record: String,
-        /// Name of the state on whose rate the force acts.
-        state: String,
-        /// What part of the rate's size the motion accounts for.
+        /// Name of the state on whose rate the force acts, or of the output.
+        of: String,
+        /// Whether it is an output.
+        output: bool,
+        /// What part of the size of the rate or of the output the motion accounts for.
         share: f64,
     },
     /// The model does no better with the identified part than without it.

@@ -226,11 +226,16 @@ impl Display for Rejection {
             }
             Rejection::Unfulfilled(law) => write!(f, "{law}"),
             Rejection::Feeds(feeding) => write!(f, "{feeding}"),
-            Rejection::LawMissing { record, state, share } => write!(
-                f,
-                "the force that is left on {state} in {record} follows the motion, with {:.0} % of the size of its rate: a law is missing",
-                100.0 * share
-            ),
+            Rejection::LawMissing { record, of, output, share } => {
+                let share = 100.0 * share;
+                match output {
+                    true => write!(f, "what is left of {of} in {record} follows the motion, with {share:.0} % of its size: a law is missing"),
+                    false => write!(
+                        f,
+                        "the force that is left on {of} in {record} follows the motion, with {share:.0} % of the size of its rate: a law is missing"
+                    ),
+                }
+            }
             Rejection::NoBetter => {
                 f.write_str("the model does no better with the identified part than without it")
             }

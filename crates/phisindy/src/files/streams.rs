@@ -131,7 +131,10 @@ fn overlap(
         |p: usize| parts[p].stream.as_ref().map_or("the rows".to_owned(), |name| format!("`{}`", name.value));
     let span = |p: usize| parts[p].stream.as_ref().map_or(csv.path.span, |name| name.span);
     let told = |p: usize| format!("its times run from {} s to {} s", ends[p].0, ends[p].1);
-    let message = format!("{} ends before {} begins: no time lies in both", name(earliest), name(latest));
+    let message = match from == to {
+        true => format!("{} ends when {} begins: one time lies in both", name(earliest), name(latest)),
+        false => format!("{} ends before {} begins: no time lies in both", name(earliest), name(latest)),
+    };
     Err(Diagnostic::error(message)
         .at(source, span(earliest), told(earliest))
         .also(source, span(latest), told(latest))

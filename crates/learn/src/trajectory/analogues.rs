@@ -1,0 +1,139 @@
+//! What of a remainder follows the motion, by analogues: where the motion of the last while was alike, was the
+//! remainder alike too (E. N. Lorenz, J. Atmos. Sci. 26 (1969) 636-646)? No form is assumed, and what depends on the
+//! past, as hysteresis and play do, counts as well. Noise of any colour and a force in time are not alike there.
+
+use crate::decisions::{ANALOGUE_LAGS, ANALOGUE_POINTS, ANALOGUES};
+use phisindy_signal::{autocorrelation, standard_deviation};
+use rayon::prelude::*;
+
+/// A record: what moved, column by column, and what is left of it at the same samples.
+pub(crate) struct Remains {
+    pub(crate) motion: Vec<Vec<f64>>,
+    pub(crate) left: Vec<f64>,
+}
+
+/// A moment of a record.
+struct Point {
+    record: usize,
+    sample: usize,
+    /// The motion there and some time before, each column in parts of its standard deviation.
+    history: Vec<f64>,
+    left: f64,
+}
+
+/// The part of the variance of the remainder that follows the motion: what the analogues of each moment foretell, over
+/// the half of the moments that have the nearest ones. Chance foretells nothing.
+pub(crate) fn of_motion(records: &[Remains]) -> f64 {
+    let points = points(records);
+    let lags: Vec<usize> = records.iter().map(|of| quarter_period(&of.motion)).collect();
+    let mut forecasts: Vec<(f64, f64, f64)> = points
+        .par_iter()
+        .map(|point| {
+            let (distance, foretold) = foretold(point, &points, lags[point.record]);
+            (distance, point.left.powi(2), (point.left - foretold).powi(2))
+        })
+        .collect();
+    // The rest of the motion was seen once.
+    forecasts.sort_by(|a, b| a.0.total_cmp(&b.0));
+    forecasts.truncate(points.len().div_ceil(2));
+    let (whole, missed) = forecasts.iter().fold((0.0, 0.0), |sum, of| (sum.0 + of.1, sum.1 + of.2));
+    if whole > 0.0 { (1.0 - missed / whole).max(0.0) } else { 0.0 }
+}
+
+/// How far the analogues of a moment are on the mean, and the mean of what was left there. The samples about it are no
+/// analogues: their noise is its noise (J. Theiler, Phys. Rev. A 34 (1986) 2427-2432).
+fn foretold(point: &Point, all: &[Point], lag: usize) -> (f64, f64) {
+    let mut nearest = [(f64::INFINITY, 0.0); ANALOGUES];
+    let apart = |other: &&Point| other.record != point.record || other.sample.abs_diff(point.sample) > lag;
+    for other in all.iter().filter(apart) {
+        let pairs = point.history.iter().zip(&other.history);
+        let distance: f64 = pairs.map(|(a, b)| (a - b).powi(2)).sum();
+        if distance < nearest[ANALOGUES - 1].0 {
+            let place = nearest.partition_point(|(near, _)| *near <= distance);
+            nearest[place..].rotate_right(1);
+            nearest[place] = (distance, other.left);
+        }
+    }
+    let sum = nearest.iter().fold((0.0, 0.0), |sum, of| (sum.0 + of.0, sum.1 + of.1));
+    (sum.0 / ANALOGUES as f64, sum.1 / ANALOGUES as f64)
+}
+
+fn points(records: &[Remains]) -> Vec<Point> {
+    let samples: usize = records.iter().map(|of| of.left.len()).sum();
+    let mean = records.iter().flat_map(|of| &of.left).sum::<f64>() / samples.max(1) as f64;
+    let step = samples.div_ceil(ANALOGUE_POINTS).max(1);
+    let columns = records.first().map_or(0, |of| of.motion.len());
+    let size = |k: usize| {
+        let all: Vec<f64> = records.iter().flat_map(|of| of.motion[k].iter().copied()).collect();
+        standard_deviation(&all)
+    };
+    let sizes: Vec<f64> = (0..columns).map(size).collect();
+    let moving: Vec<usize> = (0..columns).filter(|&k| sizes[k] > 0.0).collect();
+    let of = |(record, of): (usize, &Remains)| -> Vec<Point> {
+        let lag = quarter_period(&of.motion);
+        let history = |sample: usize| {
+            let back = (0..ANALOGUE_LAGS).map(move |l| sample - l * lag);
+            back.flat_map(|at| moving.iter().map(move |&k| (k, at)))
+                .map(|(k, at)| of.motion[k][at] / sizes[k])
+                .collect()
+        };
+        let point = |sample| Point { record, sample, history: history(sample), left: of.left[sample] - mean };
+        ((ANALOGUE_LAGS - 1) * lag..of.left.len()).step_by(step).map(point).collect()
+    };
+    records.iter().enumerate().flat_map(of).collect()
+}
+
+/// The shortest time in which a column of the motion is no longer like itself, in samples.
+fn quarter_period(motion: &[Vec<f64>]) -> usize {
+    let of = |column: &Vec<f64>| autocorrelation(column).iter().position(|c| *c <= 0.0);
+    motion.iter().filter_map(of).min().unwrap_or(1).max(1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two tones without a common period, sampled fifty times a second.
+    fn moving(left: impl FnMut((usize, (f64, f64))) -> f64) -> f64 {
+        let time = (0..3000).map(|i| 0.02 * f64::from(i));
+        let (x, v): (Vec<f64>, Vec<f64>) =
+            time.map(|t| (t.sin() + 0.5 * (2.6 * t).cos(), t.cos() - 1.3 * (2.6 * t).sin())).unzip();
+        let left = x.iter().copied().zip(v.iter().copied()).enumerate().map(left).collect();
+        of_motion(&[Remains { motion: vec![x, v], left }])
+    }
+
+    #[test]
+    fn a_law_of_the_motion_is_seen() {
+        assert!(moving(|(_, (_, v))| v.signum()) > 0.9);
+        assert!(moving(|(_, (x, _))| x.powi(3)) > 0.9);
+    }
+
+    #[test]
+    fn a_law_that_remembers_is_seen() {
+        let mut z = 0.0;
+        // Dahl's element: within a tenth of the way it forgets where it was.
+        assert!(
+            moving(|(_, (_, v))| {
+                z += 0.02 * (v - 10.0 * v.abs() * z);
+                z
+            }) > 0.8
+        );
+    }
+
+    #[test]
+    fn noise_and_a_force_in_time_are_not() {
+        let mut state = 0.0;
+        let mut random = phisindy_signal::test_signals::gaussian(3000, 7).into_iter();
+        assert_eq!(moving(|_| random.next().unwrap_or(0.0)), 0.0);
+        let mut random = phisindy_signal::test_signals::gaussian(3000, 8).into_iter();
+        assert_eq!(
+            moving(|_| {
+                state = 0.99 * state + random.next().unwrap_or(0.0);
+                state
+            }),
+            0.0
+        );
+        assert_eq!(moving(|(i, _)| i as f64), 0.0);
+        assert_eq!(moving(|(i, _)| (0.02 * 314.0 * i as f64).sin()), 0.0);
+    }
+}
