@@ -209,6 +209,7 @@ fn an_editor_is_told_of_mistakes_names_and_units() {
             .is_some_and(|about| about.starts_with("Stribeck friction."))
     );
     assert_eq!(stribeck["textEdit"]["newText"], "stribeck");
+    assert_eq!(editor.completions(&file, "Kiste "), Vec::<Value>::new());
     // Symbols: fields, and the names in them.
     let symbols = editor.ask("textDocument/documentSymbol", json!({ "textDocument": { "uri": file.uri } }));
     assert_eq!(

@@ -35,6 +35,9 @@ pub struct Completion {
 /// assert!(labels(text.len()).contains(&"contacts".to_owned()) && !labels(text.len()).contains(&"states".to_owned()));
 /// ```
 pub fn complete(document: &Document<'_>, known: &Known, at: usize) -> (Vec<Completion>, Span) {
+    if document.in_comment(at) {
+        return (vec![], Span::new(at, at));
+    }
     let Place { wants, around, mut word, quoted } = document.place(at);
     let item = |label: &str, insert: String, detail: &str, about, of| Completion {
         label: label.to_owned(),

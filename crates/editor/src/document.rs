@@ -140,6 +140,16 @@ impl<'t> Document<'t> {
         }
     }
 
+    /// Whether a byte is in a comment, as far as the text in front of it tells.
+    pub fn in_comment(&self, at: usize) -> bool {
+        let before = &self.text[..at];
+        let line = &before[before.rfind('\n').map_or(0, |end| end + 1)..];
+        let mut slashes = line.match_indices("//");
+        let block =
+            before.rfind("/*").is_some_and(|open| before.rfind("*/").is_none_or(|close| close < open));
+        block || slashes.any(|(start, _)| line[..start].matches('"').count() % 2 == 0)
+    }
+
     /// What stands at a byte, or may stand there.
     pub fn place(&self, at: usize) -> Place<'_> {
         let (mut node, mut forms) = (&self.root, vec![self.form]);

@@ -18,6 +18,9 @@ use phisindy_phys::fields::Form;
 /// assert!(said("known").starts_with("**known** of the spec: the rate of each state"));
 /// ```
 pub fn hover(document: &Document<'_>, known: &Known, at: usize) -> Option<(String, Span)> {
+    if document.in_comment(at) {
+        return None;
+    }
     let Place { wants, word, quoted, .. } = document.place(at);
     let text = &document.text[word.range()];
     let field = wants.groups.iter().find_map(|group| Some((*group, group.field(text)?)));
