@@ -30,9 +30,11 @@ pub struct Completion {
 /// use phisindy_editor::{Document, Known, complete};
 /// let text = "(states: { \"v\": \"m/s\" }, known: { \"v\": \"-sgn(\" }, cont";
 /// let document = Document::new(text, std::path::Path::new("rig.ron"));
-/// let labels = |at: usize| complete(&document, &Known::default(), at).0.into_iter().map(|c| c.label).collect::<Vec<_>>();
+/// let all = |at: usize| complete(&document, &Known::default(), at).0.into_iter();
+/// let labels = |at: usize| all(at).map(|c| c.label).collect::<Vec<_>>();
 /// assert!(labels(text.find("\" }, cont").unwrap()).starts_with(&["v".to_owned(), "t".to_owned()]));
-/// assert!(labels(text.len()).contains(&"contacts".to_owned()) && !labels(text.len()).contains(&"states".to_owned()));
+/// let fields = labels(text.len());
+/// assert!(fields.contains(&"contacts".to_owned()) && !fields.contains(&"states".to_owned()));
 /// ```
 pub fn complete(document: &Document<'_>, known: &Known, at: usize) -> (Vec<Completion>, Span) {
     if document.in_comment(at) {

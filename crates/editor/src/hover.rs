@@ -1,4 +1,5 @@
-//! What stands at a place, in words: what a field is, the unit of a name, what a function does, what a unit is in SI.
+//! What stands at a place, in words: what a field is, the unit of a name, what a function does, what a unit is
+//! in SI.
 
 use crate::document::{Document, Place};
 use crate::words::{self, Known};

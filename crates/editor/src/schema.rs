@@ -1,7 +1,7 @@
 //! The fields as a JSON schema (draft 2020-12), for programs that write specs or check them.
 //!
-//! It is of a spec as serde writes it in JSON: a group and a map are objects, a tuple is an array, and `Name(...)` is an
-//! object with the one field `Name`.
+//! It is of a spec as serde writes it in JSON: a group and a map are objects, a tuple is an array, and
+//! `Name(...)` is an object with the one field `Name`.
 
 use crate::words::plain;
 use phisindy_phys::fields::{Absent, Form, Group};
@@ -21,10 +21,15 @@ pub fn schema(root: &'static Group, name: &str) -> Value {
     json!({
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": format!("phisindy {name}"),
-        "description": format!("A {name} of phisindy as JSON: a tuple is an array, and Name(...) is an object with the one field Name."),
+        "description": format!("A {name} as JSON: a tuple is an array, Name(...) an object with the field Name."),
         "$ref": whole["$ref"],
         "$defs": defined.schemas,
     })
+}
+
+/// What has these fields and no other.
+fn object(properties: &Value, required: &Value) -> Value {
+    json!({ "type": "object", "properties": properties, "required": required, "additionalProperties": false })
 }
 
 /// The schemas of groups so far, each by its name.
@@ -69,7 +74,7 @@ impl Defined {
                 Absent::Is(_) => {}
             }
         }
-        let mut schema = json!({ "type": "object", "properties": properties, "required": required, "additionalProperties": false });
+        let mut schema = object(&properties.into(), &json!(required));
         if !either.is_empty() {
             schema["allOf"] = either.into();
         }
@@ -77,7 +82,7 @@ impl Defined {
     }
 
     fn form(&mut self, form: &'static Form, inside: &str) -> Value {
-        let variant = |name: &str, content: Value| json!({ "type": "object", "properties": { name: content }, "required": [name], "additionalProperties": false });
+        let variant = |name: &str, content: Value| object(&json!({ name: content }), &json!([name]));
         match form {
             Form::Number => json!({ "type": "number" }),
             Form::Whole => json!({ "type": "integer", "minimum": 0 }),

@@ -1,7 +1,7 @@
 //! The language server protocol over standard input and output.
 //!
-//! Requests are answered at once, from the text as it is. What `phisindy check` says takes as long as its data files are,
-//! so a thread of its own looks at the newest text of each file.
+//! Requests are answered at once, from the text as it is. What `phisindy check` says takes as long as its data
+//! files are, so a thread of its own looks at the newest text of each file.
 
 use crate::complete::complete;
 use crate::diagnose::{known, mistakes};

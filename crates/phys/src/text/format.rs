@@ -4,8 +4,8 @@
 //! text --pieces--> tokens and comments --entries--> what stands between commas --Printer--> text
 //! ```
 //!
-//! Brackets stay on one line where they fit, unless their author began a new line after the opening one; what began
-//! a line goes on to do so. The fields of the whole stand below each other.
+//! Brackets stay on one line where they fit, unless their author began a new line after the opening one; what
+//! began a line goes on to do so. The fields of the whole stand below each other.
 
 use crate::text::diagnostic::{Diagnostic, SourceId};
 use crate::text::raw::{Kind, Mistake, comment_length, parse, tokens};

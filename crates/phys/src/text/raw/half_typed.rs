@@ -4,8 +4,8 @@ use super::scan::{DEEPEST, Kind, Token, half_typed_tokens, tokens};
 use super::{Entry, Node, Shape};
 use phisindy_expr::Span;
 
-/// The outline of a text that may be no RON. A value that is missing is a name without letters where it should begin; a key
-/// that is missing none. What is too deep is left out.
+/// The outline of a text that may be no RON. A value that is missing is a name without letters where it should
+/// begin. What is too deep is left out.
 ///
 /// ```
 /// use phisindy_phys::outline::{Shape, read};
