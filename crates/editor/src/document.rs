@@ -147,7 +147,7 @@ impl<'t> Document<'t> {
         let mut slashes = line.match_indices("//");
         let block =
             before.rfind("/*").is_some_and(|open| before.rfind("*/").is_none_or(|close| close < open));
-        block || slashes.any(|(start, _)| line[..start].matches('"').count() % 2 == 0)
+        block || slashes.any(|(start, _)| line[..start].matches('"').count().is_multiple_of(2))
     }
 
     /// What stands at a byte, or may stand there.
