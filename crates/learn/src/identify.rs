@@ -11,6 +11,7 @@ use crate::result::passivity::passivity;
 use crate::result::quantity::{Quantity, TermId};
 use crate::result::record_fit::RecordFit;
 use crate::result::requirements::requirements;
+use crate::result::verdict::Verdict;
 use crate::result::warning::Warning;
 use crate::step::method::by_steps;
 use crate::trajectory::initial::{differentiated, sized, smoothed};
@@ -167,6 +168,10 @@ fn remarks(system: &System, found: &mut Identified) {
     let (fit, validate) = (worst(Role::Fit), worst(Role::Validate));
     if validate > FINE_NRMSE && validate > WORSE * fit {
         found.warnings.push(Warning::ValidationWorse { fit, validate });
+    }
+    // What does not carry over is more than noise.
+    if found.verdict == Verdict::Identified && found.warnings.iter().any(Warning::doubts_validation) {
+        found.verdict = Verdict::Named;
     }
 }
 

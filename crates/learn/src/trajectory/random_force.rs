@@ -133,17 +133,20 @@ impl<'a> Context<'a> {
             return fit;
         }
         // A force that is larger than the whole rate is none: beside stops that hang on a hair the derivatives are
-        // too large for a filter, and the free run knows better.
-        let plausible = |forced: &Fit<'_>| {
+        // too large for a filter, and free runs know better.
+        let is_force = |forced: &Fit<'_>| remainders(forced).iter().all(|left| left.share < 1.0);
+        // Nor is a force that could as well be one of the terms, which a single run tells from each other.
+        let tells = |forced: &Fit<'_>| {
             let bars = ErrorBars::new(forced);
-            // Nor is a force that could as well be one of the terms, which the free run tells from each other.
             let told = |k: usize| forced.x[k].abs() > HALF_WIDTH_95 * bars.error(k);
             (0..forced.problem.terms.len()).all(told)
-                && remainders(forced).iter().all(|left| left.share < 1.0)
         };
         match self.forced(&fit) {
-            Some((forced, _)) if !single => forced,
-            Some((forced, gain)) if gain > (fit.samples as f64).ln() && plausible(&forced) => forced,
+            Some((forced, gain))
+                if is_force(&forced) && (!single || gain > (fit.samples as f64).ln() && tells(&forced)) =>
+            {
+                forced
+            }
             _ => fit,
         }
     }
