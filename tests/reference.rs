@@ -159,7 +159,7 @@ fn fields_that_must_be_there_are_marked_in_the_reference() {
         ("Multisine", "`Multisine`"),
         ("File", "`File`"),
         ("a law", "a law"),
-        ("a parameter of a law", "a parameter"),
+        ("a parameter of a law", "a parameter of a law"),
         ("an internal state", "an internal state"),
         ("screen", "`screen`"),
     ];
@@ -174,5 +174,54 @@ fn fields_that_must_be_there_are_marked_in_the_reference() {
         want.sort();
         want.dedup();
         assert_eq!(have, *want, "{owner}: {said}");
+    }
+}
+
+/// The rows of the tables are those of the table of fields, in its order and its words.
+#[test]
+fn the_reference_says_of_each_field_what_editors_say() {
+    use phisindy_phys::fields::{self, Absent, Group};
+    let text = reference();
+    let groups: &[&Group] = &[
+        &fields::SPEC,
+        &fields::ENERGY,
+        &fields::OUTPUT,
+        &fields::MOVABLE,
+        &fields::FIND,
+        &fields::UNKNOWN,
+        &fields::CSV,
+        &fields::TABLE,
+        &fields::STREAM,
+        &fields::ARRAYS,
+        &fields::SYNTHETIC,
+        &fields::SENSOR,
+        &fields::JONSWAP,
+        &fields::MULTISINE,
+        &fields::FILE,
+        &fields::LEARN,
+        &fields::LAW,
+        &fields::PARAMETER,
+        &fields::INTERNAL,
+        &fields::SCREEN,
+    ];
+    let headings = text.lines().filter(|line| line.starts_with("### `")).count();
+    assert_eq!(headings, groups.len());
+    for group in groups {
+        let heading = format!("### `{}`\n", group.owner.trim_matches('`'));
+        let part = text.split(&heading).nth(1).unwrap_or_else(|| panic!("no {heading}"));
+        let part = part.split("\n#").next().unwrap_or(part);
+        let rows: Vec<&str> = part.lines().filter(|line| line.starts_with("| `")).collect();
+        let due: Vec<String> = group
+            .fields
+            .iter()
+            .map(|field| {
+                let absent = match field.3 {
+                    Absent::Needed | Absent::Without(_) => "**needed**",
+                    Absent::Is(what) => what,
+                };
+                format!("| `{}` | {} | {absent} |", field.0, field.about().replace('|', "\\|"))
+            })
+            .collect();
+        assert_eq!(rows, due, "{heading}");
     }
 }

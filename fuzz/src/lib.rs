@@ -78,6 +78,11 @@ pub fn spec(input: &[u8]) {
     let mut sources = Sources::default();
     sources.add("case.ron", text);
     said.iter().for_each(|d| told_well(d, &sources));
+    if let Ok(once) = phisindy_phys::format(text, SourceId(0)) {
+        assert_eq!(phisindy_phys::format(&once, SourceId(0)).as_ref(), Ok(&once), "what `fmt` wrote it writes otherwise");
+    }
+    // What is half typed has an outline.
+    let _ = phisindy_phys::outline::read(text);
 }
 
 /// The meaning of a spec: what is refused is refused with a reason, and what is checked twice is found the same.

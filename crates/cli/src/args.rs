@@ -311,9 +311,61 @@ The page is for this machine and this user alone: it listens on 127.0.0.1 and an
 It loads nothing from the network. Data, spec and results are files in the working folder. End it with Ctrl-C; nothing is lost."
     )]
     Open(OpenArgs),
-    /// Print what a shell needs to complete this command line
+    /// Put the white space of specs and laws in order; values and comments stay
     #[command(
         display_order = 12,
+        before_help = "\
+Examples:
+  phisindy fmt rig.ron laws/*.ron     rewrite these files
+  phisindy fmt --check specs/*.ron    only name those that would change
+  phisindy fmt - < rig.ron            from standard input to standard output",
+        after_help = "\
+Brackets stay on one line where they fit into 110 columns, unless a new line \
+follows the opening one; what begins a line goes on to do so. A file with a \
+mistake of syntax is left as it is.
+Exit codes: 0 in order now; 1 --check found a file that is not; 2 a file cannot \
+be read or has a mistake."
+    )]
+    Fmt {
+        /// Specs and laws, or - for standard input
+        #[arg(required = true, value_name = "FILE")]
+        files: Vec<PathBuf>,
+        /// Change nothing; print the names of files that are not in order
+        #[arg(long)]
+        check: bool,
+    },
+    /// Serve an editor: mistakes, completions, units, formatting (LSP)
+    #[command(
+        display_order = 13,
+        before_help = "\
+Examples:
+  phisindy lsp                  an editor starts it so
+  phisindy lsp --data DIR       data files are there, not beside the specs",
+        after_help = "\
+It speaks the language server protocol over standard input and output. The \
+folder editors/vscode is an extension for VS Code; docs/guides/editors.md has \
+the lines for others."
+    )]
+    Lsp,
+    /// Print a JSON schema of the fields of a spec or a law
+    #[command(
+        display_order = 14,
+        before_help = "\
+Examples:
+  phisindy schema > spec.schema.json
+  phisindy schema law",
+        after_help = "\
+Draft 2020-12, of a spec as JSON: a tuple is an array, and Name(...) is an \
+object with the one field Name."
+    )]
+    Schema {
+        /// Of what
+        #[arg(value_enum, value_name = "WHAT", default_value_t = Written::Spec, hide_default_value = true)]
+        of: Written,
+    },
+    /// Print what a shell needs to complete this command line
+    #[command(
+        display_order = 15,
         before_help = "\
 Examples:
   phisindy completions bash > ~/.local/share/bash-completion/completions/phisindy
@@ -328,7 +380,7 @@ Examples:
     },
     /// Print the manual, or write its pages into --out
     #[command(
-        display_order = 13,
+        display_order = 16,
         before_help = "\
 Examples:
   phisindy man > phisindy.1                         the whole program on one page
@@ -515,11 +567,17 @@ const TAKEN: &[(&str, &[&str])] = &[
     ("force", &["run", "gap", "go", "new", "export", "sweep", "laws", "compare", "next"]),
     (
         "data",
-        &["run", "gap", "go", "simulate", "check", "export", "sweep", "open", "verify", "compare", "next"],
+        &[
+            "run", "gap", "go", "simulate", "check", "export", "sweep", "open", "verify", "compare", "next",
+            "lsp",
+        ],
     ),
     (
         "laws",
-        &["run", "gap", "go", "simulate", "check", "export", "sweep", "laws", "open", "compare", "next"],
+        &[
+            "run", "gap", "go", "simulate", "check", "export", "sweep", "laws", "open", "compare", "next",
+            "lsp",
+        ],
     ),
     ("planned", &["run", "gap"]),
     ("seed", &["run", "gap", "simulate", "check", "export", "sweep"]),
@@ -661,6 +719,15 @@ impl Options {
             tables: vec![],
         }
     }
+}
+
+/// What is written in RON.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Written {
+    /// A spec [default]
+    Spec,
+    /// A law of the catalogue
+    Law,
 }
 
 /// Form of the result.

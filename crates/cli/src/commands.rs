@@ -2,7 +2,9 @@
 
 pub(crate) mod check;
 pub(crate) mod compare;
+pub(crate) mod editor;
 pub(crate) mod export;
+pub(crate) mod fmt;
 pub(crate) mod gap;
 pub(crate) mod go;
 pub(crate) mod laws;

@@ -40,7 +40,7 @@ pub fn program(line: impl Iterator<Item = OsString>) -> u8 {
     args.options.line = line.iter().skip(1).map(|word| word.to_string_lossy().into_owned()).collect();
     let form = args.options.line.iter().any(|word| word == "--format" || word.starts_with("--format="));
     args.options.look = terminal::look().filter(|_| !form);
-    let unlimited = matches!(args.command, Command::Open(_));
+    let unlimited = matches!(args.command, Command::Open(_) | Command::Lsp);
     let limit = args.options.limit.unwrap_or(if unlimited { Limit::none() } else { Limit::default() });
     interrupt::listen(limit, args.command.keeps());
     match execute(&args) {
@@ -142,6 +142,9 @@ fn execute(args: &Args) -> Result<u8> {
         },
         Command::Open(args) => commands::open::open(args, options),
         Command::Export(args) => commands::export::export(args, options),
+        Command::Fmt { files, check } => commands::fmt::fmt(files, *check),
+        Command::Lsp => commands::editor::serve(options),
+        Command::Schema { of } => commands::editor::schema(*of),
         Command::Completions { shell } => commands::manual::completions(*shell),
         Command::Man => commands::manual::pages(options),
         Command::Sweep(args) => commands::sweep::sweep(args, options),

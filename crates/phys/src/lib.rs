@@ -20,6 +20,12 @@ mod system;
 mod text;
 mod units;
 
+/// The outline of a text that may be half typed, for editors.
+pub mod outline {
+    pub use crate::text::raw::half_typed::read;
+    pub use crate::text::raw::{Entry, Node, Shape};
+}
+
 pub use decision::{Basis, Decision};
 pub use law::{
     BUILT_IN, INPUT, Indistinguishable, Internal, Law, LawEntry, LawError, LawGraph, LawParameter, LawScreen,
@@ -38,5 +44,7 @@ pub use system::requirement::Requirement;
 pub use system::sensor::{Sensor, SensorParameter};
 pub use system::table::{Samples, Table};
 pub use text::diagnostic::{Diagnostic, Label, Located, Severity, Source, SourceId, Sources};
-pub use text::{spec, splice};
+pub use text::format::format;
+pub use text::{fields, spec, splice};
+pub use units::dimensions::measures;
 pub use units::unit;

@@ -3,6 +3,8 @@
 
 mod check;
 mod energy;
+mod fields;
+mod format;
 mod laws;
 mod mutated;
 mod spec;

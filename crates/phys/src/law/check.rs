@@ -5,6 +5,7 @@ use super::graph::LawError;
 use super::{INPUT, Law};
 use crate::system::check::declared_names;
 use crate::text::diagnostic::{Diagnostic, SourceId};
+use crate::text::fields;
 use crate::text::raw::{self, Node};
 use crate::text::spec::group::Fields;
 use crate::text::spec::reader::Reader;
@@ -12,30 +13,6 @@ use crate::text::spec::{ConstantSpec, LearnSpec, Number, OutputSpec, Spanned, Sp
 use crate::units::dimensions::dimensions;
 use crate::units::unit::{Dimension, Unit};
 use phisindy_expr::{Span, nearest, parse};
-
-/// The fields of a law.
-const FIELDS: &[&str] = &[
-    "name",
-    "about",
-    "reference",
-    "roles",
-    "parameters",
-    "given",
-    "internal",
-    "force",
-    "push",
-    "sensor",
-    "input",
-    "mirror",
-    "simpler",
-    "same_as",
-    "family",
-    "needs",
-    "screen",
-    "sketch",
-    "indistinguishable",
-    "told_apart_by",
-];
 
 /// A number of a law with its unit and bounds.
 struct Parameter {
@@ -122,7 +99,7 @@ impl Law {
 impl Reader<'_> {
     /// The form of a law.
     fn law(&mut self, node: &Node) -> Option<Written> {
-        let fields = self.fields(node, "a law", FIELDS)?;
+        let fields = self.fields(node, &fields::LAW)?;
         self.required(&fields, "name", Self::prose);
         for field in ["about", "reference", "family"] {
             self.optional(&fields, field, Self::prose);
@@ -145,7 +122,7 @@ impl Reader<'_> {
         }
         self.kind(node, &fields, &mut out);
         if let Some(need) = fields.get("needs") {
-            let inner = self.fields(need, "`needs`", &["positive", "because"])?;
+            let inner = self.fields(need, &fields::NEED)?;
             let positive = self.required(&inner, "positive", Self::words);
             self.required(&inner, "because", Self::prose);
             let names = out.parameters.iter().map(|p| p.name.value.clone()).collect();
@@ -158,7 +135,7 @@ impl Reader<'_> {
         }
         self.pairs(&fields, "told_apart_by", Self::prose);
         if let Some(other) = fields.get("indistinguishable") {
-            let inner = self.fields(other, "`indistinguishable`", &["cause", "check"])?;
+            let inner = self.fields(other, &fields::INDISTINGUISHABLE)?;
             self.required(&inner, "cause", Self::prose);
             self.required(&inner, "check", Self::prose);
         }
@@ -203,7 +180,7 @@ impl Reader<'_> {
     }
 
     fn law_parameter(&mut self, node: &Node) -> Option<Text> {
-        let fields = self.fields(node, "a parameter", &["unit", "within", "each", "whole"])?;
+        let fields = self.fields(node, &fields::PARAMETER)?;
         let unit = self.required(&fields, "unit", Self::unit);
         self.required(&fields, "within", Self::bounds);
         self.optional(&fields, "each", Self::truth);
@@ -223,7 +200,7 @@ impl Reader<'_> {
     }
 
     fn internal_state(&mut self, node: &Node) -> Option<(Text, Text, Option<Text>)> {
-        let fields = self.fields(node, "an internal state", &["unit", "rate", "start", "inertia"])?;
+        let fields = self.fields(node, &fields::INTERNAL)?;
         let unit = self.required(&fields, "unit", Self::unit);
         let rate = self.required(&fields, "rate", Self::words);
         self.required(&fields, "start", Self::number);
@@ -281,7 +258,7 @@ impl Reader<'_> {
 
     fn screen(&mut self, fields: &Fields<'_, '_>, out: &mut Written) -> Option<()> {
         let node = fields.get("screen")?;
-        let inner = self.fields(node, "`screen`", &["columns", "rate", "grid", "seed"])?;
+        let inner = self.fields(node, &fields::SCREEN)?;
         let columns = self.required(&inner, "columns", |r, n| r.list(n, Self::words))?;
         self.optional(&inner, "rate", Self::words);
         let grid = self.pairs(&inner, "grid", Self::unit);
@@ -308,7 +285,7 @@ impl Reader<'_> {
 
     fn sketch(&mut self, fields: &Fields<'_, '_>, out: &Written) -> Option<()> {
         let node = fields.get("sketch")?;
-        let inner = self.fields(node, "`sketch`", &["over", "with"])?;
+        let inner = self.fields(node, &fields::SKETCH)?;
         let over = self.required(&inner, "over", Self::words);
         if let Some(over) = over.filter(|o| !["x", "v", "t"].contains(&o.value.as_str())) {
             self.unknown_name::<()>("quantity", over.span, &["x", "v", "t"]);

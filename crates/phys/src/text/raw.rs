@@ -3,23 +3,26 @@
 //! ron stops at the first mistake and does not say where a value stands; a spec needs all mistakes with their
 //! places, and a splice needs to change one value and leave everything else, comments too, as it is.
 
+pub(crate) mod half_typed;
 mod mistake;
 mod scan;
 
 pub(crate) use mistake::Mistake;
 use phisindy_expr::{Span, clipped};
 use ron::extensions::Extensions;
-use scan::{Kind, Token, tokens};
+pub(crate) use scan::{Kind, Token, tokens};
 
 /// Most characters of a text that a message repeats.
 const LONGEST: usize = 200;
 
 /// What a value looks like from outside.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Shape {
+pub enum Shape {
+    /// It begins as a number does.
     Number,
     /// A string, raw or not.
     Text,
+    /// A character in quotes.
     Char,
     /// A bare word: `Fit`, `true`.
     Name,
@@ -33,24 +36,26 @@ pub(crate) enum Shape {
 
 /// One value.
 #[derive(Clone, Debug)]
-pub(crate) struct Node {
-    pub(crate) shape: Shape,
+pub struct Node {
+    /// From outside.
+    pub shape: Shape,
     /// The whole value, quotes, brackets and variant name included.
-    pub(crate) span: Span,
+    pub span: Span,
     /// The variant's name in front of a group.
-    pub(crate) name: Option<Span>,
+    pub name: Option<Span>,
     /// Where the opening bracket ends.
-    pub(crate) inside: usize,
+    pub inside: usize,
     /// What the brackets hold.
-    pub(crate) entries: Vec<Entry>,
+    pub entries: Vec<Entry>,
 }
 
 /// One thing between commas.
 #[derive(Clone, Debug)]
-pub(crate) struct Entry {
+pub struct Entry {
     /// A field's name or a map's key; none in lists and tuples.
-    pub(crate) key: Option<Node>,
-    pub(crate) value: Node,
+    pub key: Option<Node>,
+    /// What stands behind the key, or alone.
+    pub value: Node,
 }
 
 /// Length of the block comment that `text` starts with; none if it does not end.

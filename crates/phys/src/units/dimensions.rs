@@ -56,6 +56,24 @@ pub(crate) fn dimensions(spec: &Spec, source: SourceId) -> Result<Units, Vec<Dia
     with(true).or_else(|_| with(false))
 }
 
+/// What each name of a spec measures, where that follows from all that it says. The spec has been checked.
+///
+/// ```
+/// use phisindy_phys::{SourceId, measures, spec};
+/// let text = r#"(states: { "x": "m", "v": "m/s" }, constants: { "m": (1.0, "kg"), "k": 4.0 }, known: { "x": "v", "v": "-k*x/m" })"#;
+/// let (spec, _) = spec::read_without_data(text, SourceId(0)).unwrap();
+/// assert_eq!(measures(&spec)["k"].to_string(), "N/m");
+/// ```
+pub fn measures(spec: &Spec) -> HashMap<String, Dimension> {
+    let mut survey = Survey::new(spec, SourceId(0), true);
+    survey.all();
+    let known = survey
+        .names
+        .iter()
+        .filter_map(|(name, q)| Some(((*name).to_owned(), survey.unit(q.measure.clone())?)));
+    known.collect()
+}
+
 /// The factor times the candidate of a term.
 struct Product<'s> {
     state: &'s str,

@@ -6,6 +6,7 @@ mod table;
 
 pub use dimension::Dimension;
 pub use scale::Scale;
+pub use table::names;
 
 use phisindy_expr::{Span, nearest};
 use std::fmt;

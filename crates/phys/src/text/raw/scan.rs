@@ -5,13 +5,13 @@ use super::mistake::Mistake;
 use phisindy_expr::Span;
 
 /// Deepest nesting of brackets: far more than a spec needs, far less than a stack holds.
-const DEEPEST: usize = 64;
+pub(super) const DEEPEST: usize = 64;
 /// Longest text in bytes; what is made of it takes about a hundred times as much.
 const LONGEST: usize = 1 << 20;
 
 /// What a token is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(crate) enum Kind {
     /// `(`, `[` or `{`.
     Open(u8),
     /// `)`, `]` or `}`.
@@ -27,13 +27,13 @@ pub(super) enum Kind {
 }
 
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Token {
-    pub(super) kind: Kind,
-    pub(super) span: Span,
+pub(crate) struct Token {
+    pub(crate) kind: Kind,
+    pub(crate) span: Span,
 }
 
 /// All tokens; white space and comments are left out.
-pub(super) fn tokens(text: &str) -> Result<Vec<Token>, Mistake> {
+pub(crate) fn tokens(text: &str) -> Result<Vec<Token>, Mistake> {
     if text.len() > LONGEST {
         return Err(Mistake::new("the text is longer than 1 MiB", Span::new(0, 0), "")
             .help("data belong into a data file, read with `Csv(path: ...)`"));
@@ -44,15 +44,9 @@ pub(super) fn tokens(text: &str) -> Result<Vec<Token>, Mistake> {
     loop {
         at = skip_space(text, at)?;
         let Some(&byte) = text.as_bytes().get(at) else { break };
-        let (kind, end) = match byte {
-            b'(' | b'[' | b'{' => (Kind::Open(byte), at + 1),
-            b')' | b']' | b'}' => (Kind::Close(byte), at + 1),
-            b',' => (Kind::Comma, at + 1),
-            b':' => (Kind::Colon, at + 1),
-            _ => match quoted(text, at)? {
-                Some(found) => found,
-                None => (Kind::Word, word_end(text, at)),
-            },
+        let (kind, end) = match sign(byte) {
+            Some(kind) => (kind, at + 1),
+            None => quoted(text, at)?.unwrap_or_else(|| (Kind::Word, word_end(text, at))),
         };
         let token = Token { kind, span: Span::new(at, end) };
         match kind {
@@ -79,6 +73,38 @@ pub(super) fn tokens(text: &str) -> Result<Vec<Token>, Mistake> {
         ));
     }
     Ok(tokens)
+}
+
+/// The tokens of a text that is being typed: brackets need not match, and a text without its closing quote ends with its
+/// line.
+pub(super) fn half_typed_tokens(text: &str) -> Vec<Token> {
+    let (mut tokens, mut at) = (Vec::new(), 0);
+    while text.len() <= LONGEST
+        && let Ok(start) = skip_space(text, at)
+        && let Some(&byte) = text.as_bytes().get(start)
+    {
+        let line_end = || start + text[start..].find('\n').unwrap_or(text.len() - start);
+        let (kind, end) = match (sign(byte), quoted(text, start)) {
+            (Some(kind), _) => (kind, start + 1),
+            (None, Ok(Some((kind, end)))) if !text[start..end].contains('\n') => (kind, end),
+            (None, Ok(None)) => (Kind::Word, word_end(text, start)),
+            (None, _) => (Kind::Text, line_end()),
+        };
+        tokens.push(Token { kind, span: Span::new(start, end) });
+        at = end;
+    }
+    tokens
+}
+
+/// The token of one byte, if this is one.
+fn sign(byte: u8) -> Option<Kind> {
+    match byte {
+        b'(' | b'[' | b'{' => Some(Kind::Open(byte)),
+        b')' | b']' | b'}' => Some(Kind::Close(byte)),
+        b',' => Some(Kind::Comma),
+        b':' => Some(Kind::Colon),
+        _ => None,
+    }
 }
 
 /// Checks that a closing bracket fits the one that is open.

@@ -4,6 +4,7 @@ use super::group::Fields;
 use super::reader::Reader;
 use super::{ConstantSpec, FilterSpec, Find, Movable, Number, SensorSpec, SensorValue, Text};
 use crate::text::diagnostic::Diagnostic;
+use crate::text::fields;
 use crate::text::raw::{Node, Shape};
 
 /// How a constant may be written.
@@ -49,8 +50,7 @@ impl Reader<'_> {
     }
 
     fn movable(&mut self, node: &Node) -> Option<Movable> {
-        let fields =
-            self.fields(node, "a movable constant", &["value", "unit", "within", "sigma", "each"])?;
+        let fields = self.fields(node, &fields::MOVABLE)?;
         let value = self.required(&fields, "value", Self::number);
         let unit = self.optional(&fields, "unit", Self::unit);
         let sigma = self.optional(&fields, "sigma", Self::positive);
@@ -63,7 +63,7 @@ impl Reader<'_> {
 
     /// `Find(start: ..., within: ...)`; the caller has seen the name.
     pub(super) fn find(&mut self, node: &Node) -> Option<Find> {
-        let fields = self.fields(node, "`Find`", &["start", "unit", "within", "sigma", "each"])?;
+        let fields = self.fields(node, &fields::FIND)?;
         let start = self.required(&fields, "start", Self::number);
         let unit = self.optional(&fields, "unit", Self::unit);
         let sigma = self.optional(&fields, "sigma", Self::positive);
@@ -105,9 +105,7 @@ impl Reader<'_> {
 
     /// Offset, gain, delay and filters of a column.
     pub(super) fn sensor(&mut self, node: &Node) -> Option<SensorSpec> {
-        const FIELDS: &[&str] =
-            &["offset", "gain", "delay", "clock", "quantum", "per", "unwrap", "lowpass", "highpass"];
-        let fields = self.fields(node, "a sensor", FIELDS)?;
+        let fields = self.fields(node, &fields::SENSOR)?;
         let offset = self.optional(&fields, "offset", Self::sensor_value);
         let gain = self.optional(&fields, "gain", Self::sensor_value);
         let delay = self.optional(&fields, "delay", Self::sensor_value);
@@ -119,7 +117,7 @@ impl Reader<'_> {
 
     /// `(order: 2, cutoff: (500.0, "Hz"))`
     fn filter(&mut self, node: &Node) -> Option<FilterSpec> {
-        let fields = self.fields(node, "a filter", &["order", "cutoff"])?;
+        let fields = self.fields(node, &fields::FILTER)?;
         let order = self.required(&fields, "order", Self::count);
         let cutoff =
             self.required(&fields, "cutoff", |reader, node| match (node.shape, reader.variant(node)) {

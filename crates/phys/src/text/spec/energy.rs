@@ -2,6 +2,7 @@
 
 use super::reader::Reader;
 use super::{Spanned, Text};
+use crate::text::fields;
 use crate::text::raw::Node;
 
 /// Energies in the place of the rates of coordinates and speeds.
@@ -43,8 +44,7 @@ impl EnergySpec {
 impl Reader<'_> {
     /// `(coordinates: { "x": ("v", "m") }, kinetic: "m*v^2/2", potential: "k*x^2/2", dissipation: "c*v^2/2", forces: { "F": "v" })`
     pub(super) fn energy(&mut self, node: &Node) -> Option<EnergySpec> {
-        const FIELDS: &[&str] = &["coordinates", "kinetic", "potential", "dissipation", "forces"];
-        let fields = self.fields(node, "`energy`", FIELDS)?;
+        let fields = self.fields(node, &fields::ENERGY)?;
         let coordinates = self.required(&fields, "coordinates", |r, n| r.map(n, Self::coordinate));
         let kinetic = self.required(&fields, "kinetic", Self::words);
         let potential = self.optional(&fields, "potential", Self::words);

@@ -3,22 +3,21 @@
 use super::reader::Reader;
 use super::{Number, Text};
 use crate::text::diagnostic::Diagnostic;
+use crate::text::fields::Group;
 use crate::text::raw::{Node, Shape};
 use phisindy_expr::Span;
 use std::collections::HashMap;
 
 /// The fields of a group: their names are allowed and stand once.
 pub(crate) struct Fields<'n, 't> {
-    owner: &'static str,
+    group: &'static Group,
     span: Span,
     list: Vec<(&'t str, &'n Node)>,
-    /// All that may stand there.
-    allowed: &'static [&'static str],
 }
 
 impl<'n> Fields<'n, '_> {
     pub(crate) fn get(&self, name: &str) -> Option<&'n Node> {
-        debug_assert!(self.allowed.contains(&name), "the field {name} is not in the list of {}", self.owner);
+        debug_assert!(self.group.field(name).is_some(), "{name} is no field of {}", self.group.owner);
         self.list.iter().find(|(n, _)| *n == name).map(|(_, node)| *node)
     }
 }
@@ -106,12 +105,8 @@ impl<'t> Reader<'t> {
     }
 
     /// The fields of `(...)` or `Name(...)`; what is wrong with their names is noted.
-    pub(crate) fn fields<'n>(
-        &mut self,
-        node: &'n Node,
-        owner: &'static str,
-        allowed: &'static [&'static str],
-    ) -> Option<Fields<'n, 't>> {
+    pub(crate) fn fields<'n>(&mut self, node: &'n Node, group: &'static Group) -> Option<Fields<'n, 't>> {
+        let (owner, allowed) = (group.owner, group.names());
         if node.shape != Shape::Group {
             let help = format!("write the fields in round brackets: ({}: ...)", allowed[0]);
             return self.expected(node, "fields in round brackets", &help);
@@ -129,7 +124,7 @@ impl<'t> Reader<'t> {
             };
             let name = self.slice(key.span);
             if !allowed.contains(&name) {
-                self.unknown_name::<()>(&format!("field of {owner}"), key.span, allowed);
+                self.unknown_name::<()>(&format!("field of {owner}"), key.span, &allowed);
             } else if let Some(&first) = places.get(name) {
                 self.repeated("field", name, key.span, first);
             } else {
@@ -144,12 +139,7 @@ impl<'t> Reader<'t> {
                 }
             }
         }
-        Some(Fields {
-            owner,
-            span: node.name.unwrap_or(Span::new(node.span.start, node.inside)),
-            list,
-            allowed,
-        })
+        Some(Fields { group, span: node.name.unwrap_or(Span::new(node.span.start, node.inside)), list })
     }
 
     /// A field that must be there.
@@ -162,7 +152,7 @@ impl<'t> Reader<'t> {
         match fields.get(name) {
             Some(node) => read(self, node),
             None => {
-                let message = format!("the field `{name}` of {} is missing", fields.owner);
+                let message = format!("the field `{name}` of {} is missing", fields.group.owner);
                 self.wrong(fields.span, message, &format!("has no `{name}`"), &format!("add `{name}: ...`"))
             }
         }

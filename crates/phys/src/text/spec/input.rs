@@ -2,6 +2,7 @@
 
 use super::reader::Reader;
 use super::{InputSpec, Number, Spanned};
+use crate::text::fields;
 use crate::text::raw::Node;
 
 /// Most cosines of a sum.
@@ -28,7 +29,7 @@ impl Reader<'_> {
     }
 
     fn jonswap(&mut self, node: &Node) -> Option<InputSpec> {
-        let fields = self.fields(node, "`Jonswap`", &["hs", "tp", "gamma", "omega"])?;
+        let fields = self.fields(node, &fields::JONSWAP)?;
         let hs = self.required(&fields, "hs", Self::positive);
         let tp = self.required(&fields, "tp", Self::positive);
         let default = |value| Spanned { value, span: node.span };
@@ -55,7 +56,7 @@ impl Reader<'_> {
     }
 
     fn multisine(&mut self, node: &Node) -> Option<InputSpec> {
-        let fields = self.fields(node, "`Multisine`", &["amplitude", "band", "count"])?;
+        let fields = self.fields(node, &fields::MULTISINE)?;
         let amplitude = self.required(&fields, "amplitude", Self::not_negative);
         let band = self.required(&fields, "band", Self::bounds);
         let count = self.optional(&fields, "count", Self::count);
@@ -70,7 +71,7 @@ impl Reader<'_> {
     }
 
     fn file(&mut self, node: &Node) -> Option<InputSpec> {
-        let fields = self.fields(node, "`File`", &["path", "time", "column"])?;
+        let fields = self.fields(node, &fields::FILE)?;
         let path = self.required(&fields, "path", Self::words);
         let time = self.required(&fields, "time", Self::column);
         let column = self.required(&fields, "column", Self::column);

@@ -2,6 +2,7 @@
 
 use super::reader::Reader;
 use super::{Crossings, LearnSpec, Method, Optimiser, SegmentsSpec, SelectionSpec};
+use crate::text::fields;
 use crate::text::raw::{Node, Shape};
 
 /// What the lists of stages ask for.
@@ -9,24 +10,11 @@ const STAGES: &str = "give one number for each stage, or leave the list out";
 
 impl Reader<'_> {
     pub(super) fn learn(&mut self, node: &Node) -> Option<LearnSpec> {
-        const FIELDS: &[&str] = &[
-            "optimiser",
-            "epochs",
-            "rates",
-            "cutoff",
-            "tolerance",
-            "crossings",
-            "selection",
-            "horizon",
-            "segments",
-            "differentiator",
-            "method",
-        ];
         let optimisers =
             [("RAdam", Optimiser::RAdam), ("Sgd", Optimiser::Sgd), ("GaussNewton", Optimiser::GaussNewton)];
         let crossings = [("Keep", Crossings::Keep), ("Skip", Crossings::Skip)];
         let methods = [("Step", Method::Step), ("Trajectory", Method::Trajectory)];
-        let fields = self.fields(node, "`learn`", FIELDS)?;
+        let fields = self.fields(node, &fields::LEARN)?;
         let optimiser = self.optional(&fields, "optimiser", |r, n| r.choice(n, "optimiser", &optimisers));
         let epochs =
             self.optional(&fields, "epochs", |r, n| r.filled(n, STAGES, |r, n| Some(r.count(n)?.value)));

@@ -1,8 +1,8 @@
 //! What a rig can do and may do: the limits within which a next run is looked for.
 
-use super::group::Fields;
 use super::reader::Reader;
 use super::{Number, Text};
+use crate::text::fields;
 use crate::text::raw::{Entry, Node, Shape};
 
 /// The limits of a rig, as they are written.
@@ -19,7 +19,6 @@ pub struct LimitsSpec {
 impl Reader<'_> {
     /// `{ "f": (-5.0, 5.0), "x": (-0.02, 0.02), duration: 60.0, band: (0.1, 10.0) }`
     pub(super) fn limits(&mut self, node: &Node) -> Option<LimitsSpec> {
-        const FIELDS: &[&str] = &["duration", "band"];
         if node.shape != Shape::Map {
             let help = "limits look like { \"f\": (-5.0, 5.0), duration: 60.0, band: (0.1, 10.0) }";
             return self.expected(node, "a map `{...}`", help);
@@ -30,7 +29,7 @@ impl Reader<'_> {
         let (fields, ranges) = (fields.into_iter().cloned().collect(), ranges.into_iter().cloned().collect());
         let (fields, ranges) = (part(fields, Shape::Group), part(ranges, Shape::Map));
         let ranges = self.map(&ranges, Self::bounds);
-        let fields: Fields<'_, '_> = self.fields(&fields, "`limits`", FIELDS)?;
+        let fields = self.fields(&fields, &fields::LIMITS)?;
         let duration = self.optional(&fields, "duration", Self::positive);
         let band = self.optional(&fields, "band", Self::band);
         Some(LimitsSpec { ranges: ranges?, duration, band })

@@ -3,6 +3,7 @@
 use super::reader::Reader;
 use super::{DataSpec, OutputSpec, PlaceSpec, Spec, Text, UnknownSpec};
 use crate::text::diagnostic::{Diagnostic, SourceId};
+use crate::text::fields;
 use crate::text::raw::{Node, Shape, parse};
 
 /// Reads the text of a spec. With the spec come warnings; spans point into `text`.
@@ -60,27 +61,10 @@ const RECORD: &str = "add a record: `Csv(path: \"run.csv\", ...)` or `Synthetic(
 
 impl Reader<'_> {
     fn spec(&mut self, node: &Node, data: Data) -> Option<Spec> {
-        const FIELDS: &[&str] = &[
-            "title",
-            "constants",
-            "states",
-            "inputs",
-            "outputs",
-            "let",
-            "energy",
-            "known",
-            "inertia",
-            "unknown",
-            "contacts",
-            "places",
-            "limits",
-            "data",
-            "learn",
-        ];
         if node.name.is_some() {
             return self.expected(node, "the spec's fields in round brackets, without a name", "");
         }
-        let fields = self.fields(node, "the spec", FIELDS)?;
+        let fields = self.fields(node, &fields::SPEC)?;
         let title = self.optional(&fields, "title", Self::prose);
         let constants = self.pairs(&fields, "constants", Self::constant);
         let energy = self.optional(&fields, "energy", Self::energy);
@@ -158,7 +142,7 @@ impl Reader<'_> {
         if !matches!(node.shape, Shape::Group) {
             return self.words(node).map(|of| PlaceSpec { of, enters: vec![], replaces: None });
         }
-        let fields = self.fields(node, "a place", &["of", "enters", "replaces"])?;
+        let fields = self.fields(node, &fields::PLACE)?;
         let of = self.required(&fields, "of", Self::words);
         let enters = self.pairs(&fields, "enters", Self::words);
         let replaces = self.optional(&fields, "replaces", Self::words);
@@ -167,15 +151,14 @@ impl Reader<'_> {
 
     /// `(unit: "m/s^2", reads: "rate(v)")`
     fn output(&mut self, node: &Node) -> Option<OutputSpec> {
-        let fields = self.fields(node, "an output", &["unit", "reads"])?;
+        let fields = self.fields(node, &fields::OUTPUT)?;
         let unit = self.required(&fields, "unit", Self::unit);
         let reads = self.required(&fields, "reads", Self::words);
         Some(OutputSpec { unit: unit?, reads: reads? })
     }
 
     fn unknown(&mut self, node: &Node) -> Option<UnknownSpec> {
-        let fields =
-            self.fields(node, "an unknown part", &["factor", "candidates", "within", "laws", "search"])?;
+        let fields = self.fields(node, &fields::UNKNOWN)?;
         let factor = self.optional(&fields, "factor", Self::words);
         let mut texts = |name| self.optional(&fields, name, |r: &mut Self, n| r.list(n, Self::words));
         let (candidates, laws, search) = (texts("candidates"), texts("laws"), texts("search"));

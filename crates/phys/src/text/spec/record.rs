@@ -4,39 +4,16 @@ use super::group::Fields;
 use super::reader::Reader;
 use super::size::SAMPLES;
 use super::{ColumnSpec, CsvSpec, DeriveSpec, NoiseSpec, Number, Role, Spanned, SyntheticSpec, Text};
+use crate::text::fields;
 use crate::text::raw::{Node, Shape};
 use phisindy_signal::{Detrend, Differentiator, Interpolation};
 
 impl Reader<'_> {
     /// `Csv(path: "run.csv", ...)`, and `Table(path: "run.xlsx", sheet: "1", ...)` with one field more.
     pub(super) fn csv(&mut self, node: &Node, any_format: bool) -> Option<CsvSpec> {
-        const FIELDS: &[&str] = &[
-            "sheet",
-            "path",
-            "name",
-            "time",
-            "columns",
-            "streams",
-            "derive",
-            "sensors",
-            "rows",
-            "window",
-            "start",
-            "role",
-            "separator",
-            "decimal",
-            "header",
-            "skip",
-            "run",
-            "interpolate",
-            "constants",
-            "decimate",
-            "missing",
-            "detrend",
-        ];
         let fields = match any_format {
-            true => self.fields(node, "`Table`", FIELDS)?,
-            false => self.fields(node, "`Csv`", &FIELDS[1..])?,
+            true => self.fields(node, &fields::TABLE)?,
+            false => self.fields(node, &fields::CSV)?,
         };
         let sheet = if any_format { self.optional(&fields, "sheet", Self::prose) } else { None };
         let stated = self.optional(&fields, "time", Self::time);
@@ -112,9 +89,7 @@ impl Reader<'_> {
     /// `Arrays(columns: ["x", "u"], ...)`: columns that a program gives by these names, in the units of the
     /// states and inputs.
     pub(super) fn arrays(&mut self, node: &Node) -> Option<CsvSpec> {
-        const FIELDS: &[&str] =
-            &["name", "columns", "derive", "sensors", "start", "role", "interpolate", "constants"];
-        let fields = self.fields(node, "`Arrays`", FIELDS)?;
+        let fields = self.fields(node, &fields::ARRAYS)?;
         let columns = self.required(&fields, "columns", |r, n| r.list(n, Self::words));
         let (name, role) = (self.name(&fields), self.role(&fields));
         let derive = self.pairs(&fields, "derive", Self::derive);
@@ -155,24 +130,7 @@ impl Reader<'_> {
     }
 
     pub(super) fn synthetic(&mut self, node: &Node) -> Option<SyntheticSpec> {
-        const FIELDS: &[&str] = &[
-            "name",
-            "truth",
-            "start",
-            "duration",
-            "step",
-            "noise",
-            "seed",
-            "inputs",
-            "derive",
-            "sensors",
-            "measure",
-            "window",
-            "role",
-            "interpolate",
-            "constants",
-        ];
-        let fields = self.fields(node, "`Synthetic`", FIELDS)?;
+        let fields = self.fields(node, &fields::SYNTHETIC)?;
         let truth = self.required(&fields, "truth", |r, n| r.map(n, Self::words));
         let start = self.required(&fields, "start", |r, n| r.map(n, Self::number));
         let duration = self.required(&fields, "duration", Self::positive);

@@ -3,6 +3,7 @@
 use super::group::Fields;
 use super::reader::Reader;
 use super::{ColumnSpec, Number, SensorSpec, Spanned, StreamSpec, Text};
+use crate::text::fields;
 use crate::text::raw::Node;
 use phisindy_expr::{Graph, parse};
 use phisindy_signal::Interpolation;
@@ -34,8 +35,7 @@ impl Reader<'_> {
         let left = fields.get("columns").is_some_and(|columns| !columns.entries.is_empty());
         let mut of_record = OfRecord { file: left, time: left };
         let streams = self.pairs(fields, "streams", |r, node| {
-            const FIELDS: &[&str] = &["sheet", "path", "time", "column", "per", "unwrap", "quantum", "hold"];
-            let of = r.fields(node, "a stream", if any_format { FIELDS } else { &FIELDS[1..] })?;
+            let of = r.fields(node, if any_format { &fields::STREAM } else { &fields::CSV_STREAM })?;
             let path = r.optional(&of, "path", Self::words);
             let sheet = if any_format { r.optional(&of, "sheet", Self::prose) } else { None };
             of_record.file |= path.is_none();

@@ -82,6 +82,11 @@ pub(super) fn find(name: &str) -> Option<(f64, Dimension)> {
 }
 
 /// Names to suggest.
-pub(super) fn names() -> impl Iterator<Item = &'static str> {
+///
+/// ```
+/// use phisindy_phys::unit::{Unit, names};
+/// assert!(names().all(|name| Unit::parse(name).is_ok()));
+/// ```
+pub fn names() -> impl Iterator<Item = &'static str> {
     UNITS.iter().map(|row| row.0).chain(["kg", "mm", "um", "ms", "kN"])
 }
