@@ -68,6 +68,7 @@ def new(
     columns: Sequence[str] | None = None,
     time_unit: str | None = None,
     counts: Mapping[str, str] | str | None = None,
+    rig: str | None = None,
 ) -> Draft:
     """Drafts a spec for data, as ``phisindy new`` does.
 
@@ -75,7 +76,8 @@ def new(
     same table to ``run`` and ``gap`` with the case of the draft. ``rate`` are rows per second, where there are no
     times; ``columns`` are names with units in the place of the headings (``["t (s)", "x (mm)"]``, ``"-"`` for one that
     is not used); ``time_unit`` is that of the times; ``counts`` is what a count is (``"4096/rev"``), or that of some
-    columns by their headings.
+    columns by their headings; ``rig`` is the kind of rig (``"slider"``, ``"pendulum"``, ``"motor"``,
+    ``"base-excited"``, ``"quarter-car"``, ``"tester"``, ``"robot-joint"``, ``"free"``), which else is guessed.
     """
     given = (
         None if sheet is None else text_of("sheet", sheet),
@@ -83,6 +85,7 @@ def new(
         [text_of("the name of a column", name) for name in columns or []],
         None if time_unit is None else text_of("time_unit", time_unit),
         _counts(counts),
+        None if rig is None else text_of("rig", rig),
     )
     if isinstance(data, (str, os.PathLike)):
         path = path_of("data", data)
@@ -100,6 +103,7 @@ def go(
     columns: Sequence[str] | None = None,
     time_unit: str | None = None,
     counts: Mapping[str, str] | str | None = None,
+    rig: str | None = None,
     out: str | os.PathLike[str] | None = None,
     jobs: int | None = None,
     progress: bool | Tell = False,
@@ -109,7 +113,7 @@ def go(
 
     Arguments as of ``new`` and ``gap``. Where the data leave a question open, a ``DataError`` asks it.
     """
-    draft = new(data, sheet=sheet, rate=rate, columns=columns, time_unit=time_unit, counts=counts)
+    draft = new(data, sheet=sheet, rate=rate, columns=columns, time_unit=time_unit, counts=counts, rig=rig)
     if draft.questions:
         raise DataError("\n".join(draft.questions))
     of_file = isinstance(data, (str, os.PathLike))

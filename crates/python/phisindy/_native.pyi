@@ -129,6 +129,7 @@ def draft(
     columns: list[str],
     time_unit: str | None,
     counts: list[tuple[str | None, str]],
+    rig: str | None,
 ) -> tuple[str, list[str], list[str]]: ...
 def compare(
     paths: list[Path],

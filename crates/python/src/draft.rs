@@ -3,8 +3,7 @@
 use crate::errors::DataError;
 use phisindy::files::open_plain_file;
 use phisindy_expr::Span;
-use phisindy_import::{Answers, CountUnit, DataFile, Draft, accepted, spec_text, summary, table};
-use phisindy_phys::unit::Unit;
+use phisindy_import::{Answers, CountUnit, DataFile, Draft, Rig, accepted, spec_text, summary, table};
 use phisindy_phys::{Diagnostic, Sources};
 use pyo3::prelude::*;
 use std::io::Cursor;
@@ -29,6 +28,7 @@ fn draft(
     columns: Vec<String>,
     time_unit: Option<String>,
     counts: Vec<(Option<String>, String)>,
+    rig: Option<String>,
 ) -> PyResult<Drafted> {
     let counts = counts.into_iter().map(|(heading, said)| {
         let unit = CountUnit::parse(&said).map_err(|why| format!("counts {said:?}: give {why}"))?.unit;
@@ -38,11 +38,11 @@ fn draft(
     if rate.is_some_and(|rate| !(rate.is_normal() && rate > 0.0)) {
         return Err(DataError::new_err("rate: give a number of rows per second above zero"));
     }
-    let second = Unit::parse("s").map(|unit| unit.dimension).ok();
-    if time_unit.as_ref().is_some_and(|unit| Unit::parse(unit).ok().map(|u| u.dimension) != second) {
-        return Err(DataError::new_err("time_unit: give a unit of time, such as s, ms, us, ns"));
-    }
-    let answers = Answers { rate, columns, time_unit, counts, ..Answers::default() };
+    let refused = |name: &str, why: String| DataError::new_err(format!("{name}: give {why}"));
+    let time_unit =
+        time_unit.map(|unit| phisindy_import::time_unit(&unit).map_err(|why| refused("time_unit", why)));
+    let rig = rig.map(|rig| Rig::parse(&rig).map_err(|why| refused("rig", why)));
+    let answers = Answers { rate, columns, time_unit: time_unit.transpose()?, counts, rig: rig.transpose()? };
     py.detach(|| drafted(&path, bytes, sheet.as_deref(), &answers)).map_err(DataError::new_err)
 }
 

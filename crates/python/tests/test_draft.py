@@ -32,6 +32,13 @@ def table():
     return driven()
 
 
+def test_the_kind_of_rig_is_said(table):
+    free = phisindy.new(table, rig="free")
+    assert "inputs: {}" in free.text and any("`F`" in note or "F (N)" in note for note in free.notes)
+    with pytest.raises(phisindy.DataError, match="rig: give one of slider"):
+        phisindy.new(table, rig="crane")
+
+
 @pytest.fixture(scope="module")
 def found():
     case = phisindy.Case("""(
