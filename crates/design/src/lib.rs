@@ -14,7 +14,7 @@ mod trial;
 pub use information::{Narrowed, Separation, narrowed, separation};
 pub use limits::{Limits, Range, step};
 pub use rival::{Noise, Response, Rival};
-pub use search::{Activity, Aim, Design, Failure, Run, design};
+pub use search::{Activity, Aim, Design, Failure, Run, design, possible};
 pub use trial::{Shape, Trial, Waveform};
 
 /// A question is open while two answers have more than a twentieth, as where an interval holds 95 %: it is decided above this.

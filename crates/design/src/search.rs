@@ -2,9 +2,10 @@
 
 use crate::DECIDED;
 use crate::information::{Narrowed, Separation, narrowed, separation};
-use crate::limits::{Limits, step};
+use crate::limits::{Limits, Range, step};
 use crate::rival::{Noise, Response, Rival, Unfit};
 use crate::trial::{Shape, Trial, Waveform};
+use phisindy_phys::{Record, System};
 use rayon::prelude::*;
 use std::fmt;
 use std::ops::ControlFlow;
@@ -156,14 +157,8 @@ pub fn design(
     if *aim != Aim::Separate && (0..first.numbers.len()).all(|k| first.std_error(k) == 0.0) {
         return Err(Failure::NothingOpen);
     }
-    let (least, most) = (FEWEST * step(&first.like), MOST * step(&first.like));
-    if limits.duration.1 && !(least..=most).contains(&limits.duration.0) {
-        return Err(Failure::Duration(least, most));
-    }
+    possible(&first.systems[0], &first.like, limits)?;
     let grid = grid(first, limits);
-    if grid.is_empty() {
-        return Err(Failure::NothingDrives);
-    }
     let (rivals, left_out) = able(rivals, &grid)?;
     let (rivals, first) = (&rivals[..], &rivals[0]);
     let settings = first.systems.len();
@@ -397,6 +392,26 @@ impl Search<'_> {
 }
 
 /// The best run of each form of drive and input, and of those that are let go; the best one first.
+/// Whether there is any run within the limits, of a rig with records like this one; no model is fitted for that.
+///
+/// # Errors
+/// [`Failure::Duration`] or [`Failure::NothingDrives`].
+pub fn possible(system: &System, like: &Record, limits: &Limits) -> Result<(), Failure> {
+    let (least, most) = (FEWEST * step(like), MOST * step(like));
+    if limits.duration.1 && !(least..=most).contains(&limits.duration.0) {
+        return Err(Failure::Duration(least, most));
+    }
+    match limits.inputs.is_empty() && let_go(system, limits).next().is_none() {
+        true => Err(Failure::NothingDrives),
+        false => Ok(()),
+    }
+}
+
+/// The displacements from which a run may be let go.
+fn let_go<'a>(system: &'a System, limits: &'a Limits) -> impl Iterator<Item = &'a (usize, Range)> {
+    limits.columns.iter().filter(|(k, _)| system.states.get(*k).is_some_and(|state| state.velocity.is_some()))
+}
+
 fn best_of_each_form(runs: Vec<Run>) -> Vec<Run> {
     let form = |run: &Run| run.trial.waveform.map(|w| (w.shape, w.input));
     let mut best: Vec<Run> = Vec::new();
@@ -451,11 +466,7 @@ fn grid(first: &Rival, limits: &Limits) -> Vec<Trial> {
             }
         }
     }
-    let system = &first.systems[0];
-    for (k, range) in limits.columns.iter().filter(|(k, _)| *k < system.states.len()) {
-        if system.states[*k].velocity.is_none() {
-            continue;
-        }
+    for (k, range) in let_go(&first.systems[0], limits) {
         for end in [range.within.0, range.within.1] {
             for part in AMPLITUDES {
                 let rest = first.rest[*k];

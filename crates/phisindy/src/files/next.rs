@@ -12,7 +12,7 @@ use super::source::{Source, part, words};
 use crate::error::Error;
 use crate::options::Options;
 use crate::{Gap, Identified};
-use phisindy_design::{Aim, Limits, Noise, Rival, design};
+use phisindy_design::{Aim, Limits, Noise, Rival, design, possible};
 use phisindy_learn::NoiseModel;
 use phisindy_phys::spec::Role;
 use phisindy_phys::splice;
@@ -168,6 +168,12 @@ struct Left {
 fn left(source: &Source, request: &Request, options: &Options<'_>) -> Result<Left, String> {
     let told = |why: Error| format!("`{}`: {}", source.name, words(&why));
     let loaded = source.opened(&source.text, request, Purpose::Run).map_err(told)?;
+    let (system, records) = (&loaded.case.system, &loaded.records);
+    // Before any work: limits that leave no run leave none to any model.
+    if let Some(like) = records.iter().find(|r| r.role == Role::Fit) {
+        let limits = Limits::of(&loaded.parsed, system, records);
+        possible(system, like, &limits).map_err(|why| format!("`{}`: {why}", source.name))?;
+    }
     let named =
         parsed(&source.text).map_err(told)?.unknown.iter().any(|(_, unknown)| !unknown.laws.is_empty());
     if loaded.case.is_open() || named {
