@@ -34,7 +34,7 @@ use std::time::Duration;
 use tally::{Outcome, tally};
 
 /// What a case may take, in seconds: more is for a sweep of its own.
-const LIMIT: u64 = 60;
+const LIMIT: u64 = 30;
 
 /// The table, and a line for each disagreement; none if the user stopped it.
 ///

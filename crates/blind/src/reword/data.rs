@@ -91,7 +91,7 @@ pub(super) fn unit_of_time(question: Question, spec: &Spec, dice: &mut Dice) -> 
 
 pub(super) fn gravities(question: Question, spec: &Spec, dice: &mut Dice) -> Option<Reworded> {
     let (quantity, _) = drawn(spec, dice, |_, unit| unit == "m/s^2")?;
-    column(question, spec, &quantity, "g0", scaled(|x| x / GRAVITY)).map(Reworded::from)
+    column(question, spec, &quantity, "gn", scaled(|x| x / GRAVITY)).map(Reworded::from)
 }
 
 /// With a field of the sensor of a quantity in each record that has it.

@@ -69,8 +69,12 @@ pub(super) fn names(mut question: Question, spec: &Spec, dice: &mut Dice) -> Opt
 
 /// Expressions with others in place of states; what stands for a rate is turned with it.
 fn with_states(question: Question, spec: &Spec, with: &[(String, String)], turned: &[&str]) -> Question {
-    let keeps =
-        |e: &Text| spec.contacts.contains(e) || spec.states.iter().any(|(name, _)| name.value == e.value);
+    let moves = bodies(spec);
+    let keeps = |e: &Text| {
+        let speed =
+            |(x, rate): &(Text, Text)| rate == e && moves.contains(&(x.value.as_str(), rate.value.as_str()));
+        spec.contacts.contains(e) || spec.known.iter().any(speed)
+    };
     let mut places: Vec<(Span, String)> = Vec::new();
     for e in expressions(spec) {
         if !keeps(e) {

@@ -63,12 +63,6 @@ impl Question {
         self
     }
 
-    /// With names in the place of others, in all expressions.
-    pub(super) fn substituted(self, spec: &Spec, with: &[(String, String)]) -> Question {
-        let places = expressions(spec).into_iter().map(|e| (e.span, put(&e.value, with))).collect();
-        self.edited(places)
-    }
-
     /// With every number of a quantity's columns rewritten: the index of its record and its text.
     pub(super) fn rewrite(
         &mut self,
