@@ -40,6 +40,8 @@ const STOPS: f64 = 0.02;
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Answer {
     verdict: String,
+    /// Whether noise is a part of the reading.
+    relative: bool,
     /// By what it is, in a form that does not depend on its spelling: what is shown, and its numbers.
     found: BTreeMap<String, (String, Vec<Number>)>,
 }
@@ -53,6 +55,8 @@ pub(super) struct Back {
     pub(super) rates: Vec<(String, String)>,
     /// Whether a coordinate was turned: a law that pushes to one side does so to the other.
     pub(super) turned: bool,
+    /// Whether readings count from another zero: noise that is a part of a reading is another one there.
+    pub(super) moved: bool,
 }
 
 impl Answer {
@@ -61,7 +65,11 @@ impl Answer {
         let code = said.status.and_then(|status| status.code());
         let Ok(json) = serde_json::from_str::<Value>(&said.out) else {
             let why = said.err.lines().find(|line| line.starts_with("error")).unwrap_or_default();
-            return Answer { verdict: format!("exit code {code:?} {why}"), found: BTreeMap::new() };
+            return Answer {
+                verdict: format!("exit code {code:?} {why}"),
+                relative: false,
+                found: BTreeMap::new(),
+            };
         };
         let word = |of: &Value| of.as_str().unwrap_or_default().to_owned();
         let verdict = format!("{}{}", word(&json["verdict"]), word(&json["status"]));
@@ -107,11 +115,13 @@ impl Answer {
                 );
             }
         }
-        Answer { verdict, found }
+        let relative = json["noise_model"].as_str().is_some_and(|noise| noise != "additive");
+        Answer { verdict, relative: relative && back.moved, found }
     }
 
     /// Where two answers disagree, if they do.
     pub(super) fn against(&self, other: &Answer, agree: Agree) -> Option<String> {
+        let agree = if other.relative { Agree::Interval } else { agree };
         if self.verdict != other.verdict {
             return Some(format!("{} became {}", self.verdict, other.verdict));
         }

@@ -47,7 +47,8 @@ pub(super) fn drawn(
         }
         Source::Spec => {
             let all = specs(&args.specs)?;
-            let path = all.get(index / 5 % all.len().max(1)).context("no spec has synthetic records")?;
+            let k = if args.from.is_some() { index } else { index / 5 };
+            let path = all.get(k % all.len().max(1)).context("no spec has synthetic records")?;
             measured(&fs::read_to_string(path)?, program, folder)?
         }
     };

@@ -138,7 +138,7 @@ pub(super) fn origin(mut question: Question, spec: &Spec, dice: &mut Dice) -> Op
     let with = [(x.to_owned(), format!("({x} - ({:e}))", shift * unit))];
     let back = vec![(x.to_owned(), format!("({x} + ({:e}))", shift * unit))];
     let question = with_states(question, spec, &with, &[]);
-    Some(Reworded { question, back: Back { names: back, ..Back::default() } })
+    Some(Reworded { question, back: Back { names: back, moved: true, ..Back::default() } })
 }
 
 pub(super) fn relative(question: Question, spec: &Spec, _: &mut Dice) -> Option<Reworded> {
@@ -223,7 +223,7 @@ pub(super) fn relative(question: Question, spec: &Spec, _: &mut Dice) -> Option<
         pair("reading_x", xb),
         pair("reading_v", vb),
     ];
-    Some(Reworded { question, back: Back { names, rates: vec![pair("slip", vb)], turned: false } })
+    Some(Reworded { question, back: Back { names, rates: vec![pair("slip", vb)], ..Back::default() } })
 }
 
 /// An expression with its sums and products turned around, halves in place of divisions by two.
@@ -240,23 +240,16 @@ fn turned_around(ast: &Ast, at: usize, text: &str) -> String {
         AstKind::Binary(Binary::Div, a, b) if is_two(*b) => format!("(0.5*{})", of(*a)),
         AstKind::Binary(Binary::Div, a, b) => format!("({}/{})", of(*a), of(*b)),
         AstKind::Binary(Binary::Pow, a, b) => format!("({}^{})", of(*a), of(*b)),
-        // The rest are functions: what stands around their arguments stays.
-        AstKind::Unary(_, a) => within(text, node.span, &[(ast.nodes[*a].span, of(*a))]),
-        AstKind::Binary(_, a, b) => {
-            within(text, node.span, &[(ast.nodes[*a].span, of(*a)), (ast.nodes[*b].span, of(*b))])
+        // The rest are functions, or bars.
+        AstKind::Unary(_, a) | AstKind::Binary(_, a, _) => {
+            let written = &text[node.span.range()];
+            let name = written.split_once('(').map_or("", |(name, _)| name);
+            let name = if written.starts_with('|') { "abs" } else { name };
+            let second =
+                if let AstKind::Binary(_, _, b) = node.kind { format!(", {}", of(b)) } else { String::new() };
+            format!("{name}({}{second})", of(*a))
         }
     }
-}
-
-/// A part of a text with parts of it replaced, in their order.
-fn within(text: &str, whole: Span, parts: &[(Span, String)]) -> String {
-    let (mut out, mut end) = (String::new(), whole.start);
-    for (span, new) in parts {
-        out += &text[end..span.start];
-        out += new;
-        end = span.end;
-    }
-    out + &text[end..whole.end]
 }
 
 /// An expression changed by `to`, which sees its tree; a single name stays.
@@ -359,8 +352,11 @@ mod tests {
 
     #[test]
     fn what_is_turned_around_reads_as_the_same() {
-        let text = "-(k*|x - y|)/2 + max(a + b, 1)^2 - sgn(v)";
+        let text = "-(k*|x - y|)/2 + max(a + b, 1)^2 - exp(-|v|/(3.0))";
         let said = changed(text, |ast, root| Some(turned_around(ast, root, text)));
-        assert_eq!(said.as_deref(), Some("(-sgn(v) + (max((b + a), 1)^2 + (0.5*(-(|(-y + x)|*k)))))"));
+        assert_eq!(
+            said.as_deref(),
+            Some("(-exp(((-abs(v))/3.0)) + ((max((b + a), 1)^2) + (0.5*(-(abs((-y + x))*k)))))")
+        );
     }
 }
