@@ -21,7 +21,7 @@ fn reworded(more: &[&str]) -> Vec<(String, Vec<usize>)> {
 #[test]
 fn an_answer_does_not_depend_on_how_the_question_is_put() {
     let times: usize = std::env::var("PHISINDY_REWORD").ok().and_then(|n| n.parse().ok()).unwrap_or(1);
-    let rows = reworded(&["--from", "rig", "--runs", &(4 * times).to_string(), "--seed", "5"]);
+    let rows = reworded(&["--from", "rig", "--runs", &(3 * times).to_string(), "--seed", "7"]);
     // What no rig of the first few has: accelerometers, ...
     let rare = ["g for m/s^2"];
     for (name, counts) in &rows {

@@ -29,9 +29,9 @@ pub(super) const UNITS: &[(&str, &str, i32)] = &[
 /// Standard gravity, by definition.
 const GRAVITY: f64 = 9.80665;
 /// Where another clock begins, in seconds.
-const ORIGIN: f64 = 512.0;
+pub(super) const ORIGIN: f64 = 512.0;
 /// A day in 2023 since 1970.
-const EPOCH: f64 = 1.7e9;
+pub(super) const EPOCH: f64 = 1.7e9;
 
 /// A number with its point moved: not a digit of it changes.
 pub(super) fn moved(number: &str, places: i32) -> Option<String> {
@@ -134,21 +134,13 @@ pub(super) fn quantum(question: Question, spec: &Spec, _: &mut Dice) -> Option<R
 }
 
 /// With times counted from another origin.
-fn from_origin(mut question: Question, spec: &Spec, origin: f64) -> Option<Reworded> {
+pub(super) fn from_origin(mut question: Question, spec: &Spec, origin: f64) -> Option<Reworded> {
     question.rewrite(TIME, spec, scaled(|t| t + origin))?;
     let ends = records(spec).filter_map(|r| r.window.as_ref()).flat_map(|(a, b)| [a, b]);
     let windows: Vec<_> = ends.map(|end| (end.span, format!("{:?}", end.value + origin))).collect();
     let since = [(TIME.to_owned(), format!("({TIME} - {origin:?})"))];
     let expressions = super::question::expressions(spec).into_iter().map(|e| (e.span, put(&e.value, &since)));
     Some(question.edited(windows.into_iter().chain(expressions).collect()).into())
-}
-
-pub(super) fn origin_of_time(question: Question, spec: &Spec, _: &mut Dice) -> Option<Reworded> {
-    from_origin(question, spec, ORIGIN)
-}
-
-pub(super) fn epoch(question: Question, spec: &Spec, _: &mut Dice) -> Option<Reworded> {
-    from_origin(question, spec, EPOCH)
 }
 
 pub(super) fn cut(question: Question, spec: &Spec, _: &mut Dice) -> Option<Reworded> {
@@ -172,7 +164,7 @@ pub(super) fn cut(question: Question, spec: &Spec, _: &mut Dice) -> Option<Rewor
 }
 
 /// With each file in another format.
-fn file(mut question: Question, spec: &Spec, format: Format) -> Option<Reworded> {
+pub(super) fn file(mut question: Question, spec: &Spec, format: Format) -> Option<Reworded> {
     let mut places = Vec::new();
     for record in records(spec) {
         let stem = record.path.value.rsplit_once('.').map_or(&*record.path.value, |(stem, _)| stem);
@@ -188,28 +180,8 @@ fn file(mut question: Question, spec: &Spec, format: Format) -> Option<Reworded>
     Some(question.edited(places).into())
 }
 
-pub(super) fn commas(question: Question, spec: &Spec, _: &mut Dice) -> Option<Reworded> {
-    file(question, spec, Format::Text(';', ','))
-}
-
-pub(super) fn tabs(question: Question, spec: &Spec, _: &mut Dice) -> Option<Reworded> {
-    file(question, spec, Format::Text('\t', '.'))
-}
-
-pub(super) fn xlsx(question: Question, spec: &Spec, _: &mut Dice) -> Option<Reworded> {
-    file(question, spec, Format::Xlsx)
-}
-
-pub(super) fn npz(question: Question, spec: &Spec, _: &mut Dice) -> Option<Reworded> {
-    file(question, spec, Format::Npz)
-}
-
-pub(super) fn matlab(question: Question, spec: &Spec, _: &mut Dice) -> Option<Reworded> {
-    file(question, spec, Format::Matlab)
-}
-
 /// With some rows of each file only.
-fn rows(mut question: Question, keep: impl Fn(usize) -> bool) -> Reworded {
+pub(super) fn rows(mut question: Question, keep: impl Fn(usize) -> bool) -> Reworded {
     for sheet in question.sheets.values_mut() {
         let mut k = 0;
         sheet.rows.retain(|_| {
@@ -223,8 +195,4 @@ fn rows(mut question: Question, keep: impl Fn(usize) -> bool) -> Reworded {
 pub(super) fn later(question: Question, _: &Spec, dice: &mut Dice) -> Option<Reworded> {
     let first = dice.whole(1, 5);
     Some(rows(question, |k| k >= first))
-}
-
-pub(super) fn halved(question: Question, _: &Spec, _: &mut Dice) -> Option<Reworded> {
-    Some(rows(question, |k| k % 2 == 0))
 }

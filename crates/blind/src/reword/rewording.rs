@@ -1,6 +1,7 @@
 //! The table of rewordings: ways to ask the same question in other words.
 
 use super::answer::{Agree, Back};
+use super::format::Format;
 use super::question::Question;
 use super::{data, model, order};
 use crate::dice::Dice;
@@ -44,9 +45,9 @@ pub(super) const REWORDINGS: &[Rewording] = &[
     row("quantum said", Agree::Solver, data::quantum),
     row("sign of a coordinate", Agree::Solver, model::sign),
     row("origin of a coordinate", Agree::Solver, model::origin),
-    row("origin of time", Agree::Solver, data::origin_of_time),
+    row("origin of time", Agree::Solver, |q, spec, _| data::from_origin(q, spec, data::ORIGIN)),
     // A double holds the time since 1970 to a quarter of a microsecond.
-    row("time since 1970", Agree::Interval, data::epoch),
+    row("time since 1970", Agree::Interval, |q, spec, _| data::from_origin(q, spec, data::EPOCH)),
     row("relative coordinates", Agree::Solver, model::relative),
     row("names", Agree::Bits, model::names),
     row("order of states", Agree::Solver, order::states),
@@ -59,13 +60,13 @@ pub(super) const REWORDINGS: &[Rewording] = &[
     row("mass factored out", Agree::Solver, model::factored),
     row("a name for an expression", Agree::Bits, model::named),
     row("constant of another", Agree::Bits, model::constant),
-    row("semicolons, decimal comma", Agree::Bits, data::commas),
-    row("tabs", Agree::Bits, data::tabs),
-    row("XLSX", Agree::Bits, data::xlsx),
-    row("NPZ", Agree::Bits, data::npz),
-    row("MAT", Agree::Bits, data::matlab),
+    row("semicolons, decimal comma", Agree::Bits, |q, spec, _| data::file(q, spec, Format::Text(';', ','))),
+    row("tabs", Agree::Bits, |q, spec, _| data::file(q, spec, Format::Text('\t', '.'))),
+    row("XLSX", Agree::Bits, |q, spec, _| data::file(q, spec, Format::Xlsx)),
+    row("NPZ", Agree::Bits, |q, spec, _| data::file(q, spec, Format::Npz)),
+    row("MAT", Agree::Bits, |q, spec, _| data::file(q, spec, Format::Matlab)),
     row("starts later", Agree::Interval, data::later),
-    row("every second sample", Agree::Interval, data::halved),
+    row("every second sample", Agree::Interval, |q, _, _| Some(data::rows(q, |k| k % 2 == 0))),
     row("unit of a constant", Agree::Bits, model::unit_of_constant),
     row("units of the model", Agree::Bits, model::units),
 ];
