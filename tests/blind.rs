@@ -7,4 +7,5 @@ mod book;
 mod common;
 mod hidden;
 mod odd;
+mod reword;
 mod tables;

@@ -10,6 +10,7 @@ Examples:
   phisindy-blind formula --sets 48 --noise 2                laws of no catalogue: is the force found as a formula?
   phisindy-blind wrong --sets 105 --seed 7                  known parts with one mistake: does `run` tell of it?
   phisindy-blind odd --runs 1000 --seed 7                   odd specs and data: does it panic, hang, or err?
+  phisindy-blind reword --runs 40 --seed 7                  the same question in other words: is the answer the same?
   phisindy-blind paper --write docs/results.md              every case of the paper with both methods
   phisindy-blind sweep --seeds 100 --write docs/results.md  many seeds of every case
   phisindy-blind language --write docs/reference.md         the operations of the language
@@ -43,6 +44,8 @@ pub(crate) enum Command {
     Noise(NoiseArgs),
     /// Run the program on odd and on damaged specs, data, laws and journals: does it panic, hang, or err?
     Odd(OddArgs),
+    /// Ask the same question in other words: units, signs, names, orders, formats. Is the answer the same?
+    Reword(RewordArgs),
     /// Each case beside what the paper prints
     Paper(CaseArgs),
     /// Many seeds of each case
@@ -215,6 +218,43 @@ pub(crate) struct OddArgs {
     /// This execution only, and keep its files
     #[arg(long, value_name = "INDEX")]
     pub(crate) only: Option<usize>,
+}
+
+/// Which questions to ask in other words.
+#[derive(Clone, Debug, clap::Args)]
+pub(crate) struct RewordArgs {
+    /// Keep the files of what disagrees in this folder
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Number of cases
+    #[arg(long, value_name = "N", default_value_t = 40)]
+    pub(crate) runs: usize,
+    /// Seed of all draws
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub(crate) seed: u64,
+    /// Cases of this kind only
+    #[arg(long, value_enum)]
+    pub(crate) from: Option<Source>,
+    /// This case only, and keep its files
+    #[arg(long, value_name = "INDEX")]
+    pub(crate) only: Option<usize>,
+    /// This rewording only
+    #[arg(long, value_name = "NAME")]
+    pub(crate) kind: Option<String>,
+    /// Folder of the specs
+    #[arg(long, value_name = "DIR", default_value = "specs")]
+    pub(crate) specs: PathBuf,
+}
+
+/// Where a case comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub(crate) enum Source {
+    /// Rigs of `wrong`, right ones: `run`
+    Rig,
+    /// Specs with synthetic records: `run`
+    Spec,
+    /// Sets of `hidden`: `gap`
+    Hidden,
 }
 
 /// Which cases of the paper.

@@ -39,6 +39,7 @@ use crate::progress::Progress;
 use crate::table::Table;
 use anyhow::{Result, anyhow};
 use rayon::prelude::*;
+use std::path::Path;
 
 /// Scores the sets; none if the user stopped it.
 ///
@@ -62,23 +63,29 @@ pub(crate) fn formula(args: &FormulaArgs, options: &Options) -> Result<Option<Ta
 /// A wish that cannot be met, or files that cannot be written.
 pub(crate) fn make(args: &HiddenArgs, options: &Options) -> Result<bool> {
     let progress = Progress::new("hidden", args.sets, options.quiet);
-    let set = |index: usize| -> Result<()> {
-        if interrupt::requested() {
-            return Ok(());
+    (0..args.sets).into_par_iter().try_for_each(|index| -> Result<()> {
+        if !interrupt::requested() {
+            set(args, index, &args.out.join(format!("{index:03}")))?;
+            progress.step();
         }
-        let wish =
-            wish::wish(args.seed, index, args.only.as_deref(), args.sensors).map_err(|why| anyhow!(why))?;
-        let mut dice = Dice::new(args.seed, &format!("set {index}"));
-        let made = made::made(&wish, &mut dice).map_err(|why| anyhow!("set {index}: {why}"))?;
-        write::write(&Folder::create(&args.out.join(format!("{index:03}")))?, index, &made, &mut dice)?;
-        progress.step();
         Ok(())
-    };
-    (0..args.sets).into_par_iter().try_for_each(set)?;
+    })?;
     drop(progress);
     if interrupt::requested() {
         return Ok(false);
     }
     print(&format!("{} sets in {}\n", args.sets, args.out.display()))?;
     Ok(true)
+}
+
+/// Makes one of the sets.
+///
+/// # Errors
+/// A wish that cannot be met, or files that cannot be written.
+pub(crate) fn set(args: &HiddenArgs, index: usize, folder: &Path) -> Result<()> {
+    let wish =
+        wish::wish(args.seed, index, args.only.as_deref(), args.sensors).map_err(|why| anyhow!(why))?;
+    let mut dice = Dice::new(args.seed, &format!("set {index}"));
+    let made = made::made(&wish, &mut dice).map_err(|why| anyhow!("set {index}: {why}"))?;
+    write::write(&Folder::create(folder)?, index, &made, &mut dice)
 }

@@ -8,6 +8,7 @@
 //! seed --wrong--> specs with one mistake in the known part --identify--> is it reported? --> table
 //! seed --noise--> sliders with noise that is not white, late sensors, forces --identify--> intervals right? --> table
 //! seed --odd--> odd and damaged files --phisindy COMMAND--> exit code, answer --> table
+//! a case --reword--> the same question in other words --phisindy run, gap--> the same answer? --> table
 //! specs of the paper --phisindy run, phisindy sweep--> tables of docs/results.md
 //! ```
 
@@ -24,6 +25,7 @@ mod odd;
 mod program;
 mod progress;
 mod readme;
+mod reword;
 mod synthetic;
 mod table;
 mod wrong;
@@ -66,6 +68,7 @@ fn run(args: &Args) -> Result<bool> {
         Command::Wrong(args) => wrong::table(args, options)?,
         Command::Noise(args) => noise::table(args, options)?,
         Command::Odd(args) => odd::table(args, options)?,
+        Command::Reword(args) => reword::table(args, options)?,
         Command::Paper(args) => readme::paper(args, options)?.map(|table| Table::new("paper", table)),
         Command::Sweep(args) => readme::sweep(args, options)?.map(|table| Table::new("sweep", table)),
         Command::Decisions => Some(Table::new("decisions", readme::decisions())),

@@ -1,13 +1,13 @@
 //! Replaces names in the text of expressions.
 
-use phisindy_expr::parse;
+use phisindy_expr::parse_with;
 
-/// The text with every name replaced for which `with` returns something, all in one pass. The rest of the
-/// text does not change.
+/// The text with every name replaced for which `with` returns something, all in one pass; `rate(v)` is the name
+/// `rate v`. The rest of the text does not change.
 ///
 /// A text that is no expression is returned unchanged; its compilation reports the error.
 pub(crate) fn substitute<'a>(text: &str, with: impl Fn(&str) -> Option<&'a str>) -> String {
-    let Ok(ast) = parse(text) else { return text.to_owned() };
+    let Ok(ast) = parse_with(text, &["rate"]) else { return text.to_owned() };
     let mut out = String::with_capacity(text.len());
     let mut end = 0;
     for (name, span) in ast.names() {

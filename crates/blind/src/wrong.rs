@@ -136,13 +136,29 @@ fn pair(rig: &Rig, kind: &str, dice: &mut Dice, seed: Option<u64>) -> Result<Pai
         Ok(Set { loaded, said: format!("{said}; {}", rig.described()), visible, truth, inside })
     };
     let right = set(&rig.physics, "nothing is wrong")?;
-    for run in &right.loaded.truths {
-        let stuck = run.modes.iter().filter(|m| **m == 0).count() as f64 / run.modes.len().max(1) as f64;
-        if stuck > MOST_STUCK {
-            return Err("it hardly moves".to_owned());
-        }
+    if hardly_moves(&right.loaded) {
+        return Err("it hardly moves".to_owned());
     }
     Ok(Pair { wrong: set(&wrong, &said)?, right })
+}
+
+/// The spec of a random rig in which nothing is wrong.
+///
+/// # Errors
+/// No rig was drawn that moves.
+pub(crate) fn right(dice: &mut Dice) -> Result<String> {
+    let text = |dice: &mut Dice| {
+        let rig = Rig::draw(dice, false);
+        written(&rig, &rig.physics, "a rig", Unknown::Dictionary)
+    };
+    let moves = |text: &String| load(text.clone(), None).is_ok_and(|loaded| !hardly_moves(&loaded));
+    (0..TRIES).map(|_| text(dice)).find(moves).ok_or_else(|| anyhow!("{TRIES} rigs hardly move"))
+}
+
+/// Whether a mass sticks for most of a record.
+fn hardly_moves(loaded: &Loaded) -> bool {
+    let stuck = |modes: &[i8]| modes.iter().filter(|m| **m == 0).count() as f64 / modes.len().max(1) as f64;
+    loaded.truths.iter().any(|run| stuck(&run.modes) > MOST_STUCK)
 }
 
 /// The least chi square of the wrong model against the true motion; infinite if it cannot be simulated.

@@ -34,6 +34,12 @@ fn what_is_missing_is_created() {
     check("()", "learn.cutoff", "0.1", "(learn: (cutoff: 0.1))");
     check("(a: 1)", "constants.k", "2.0", "(a: 1, constants: { \"k\": 2.0 })");
     check("(a: 1)", "unknown.y.factor", "\"-1\"", "(a: 1, unknown: { \"y\": (factor: \"-1\") })");
+    check("(a: 1)", "let.w", "\"2*v\"", "(a: 1, let: { \"w\": \"2*v\" })");
+    check("()", "outputs.a.reads", "\"v\"", "(outputs: { \"a\": (reads: \"v\") })");
+    check("()", "places.r.enters.v", "\"1\"", "(places: { \"r\": (enters: { \"v\": \"1\" }) })");
+    check("()", "energy.forces.F", "\"v\"", "(energy: (forces: { \"F\": \"v\" }))");
+    check("(d: [S(a: 1)])", "d.0.detrend.x", "Mean", "(d: [S(a: 1, detrend: { \"x\": Mean })])");
+    check("()", "streams.x.column", "\"x\"", "(streams: { \"x\": (column: \"x\") })");
     check("(inputs: {})", "inputs.u", "\"m\"", "(inputs: { \"u\": \"m\" })");
     check("(inputs: { // none\n})", "inputs.u", "\"m\"", "(inputs: { \"u\": \"m\"  // none\n})");
     check("(\n  a: 1, // one, two\n)", "b", "2", "(\n  a: 1, // one, two\n  b: 2,\n)");

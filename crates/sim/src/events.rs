@@ -220,7 +220,7 @@ impl Run<'_> {
                 self.chatter.0 += 1;
                 if self.chatter.0 > CHATTER_EVENTS {
                     let switch = self.field.automaton.switches[c].text.clone();
-                    return Err(SimError::TooManyEvents { time: self.t, switch });
+                    return Err(SimError::TooManyEvents { time: self.time(), switch });
                 }
                 self.change(c);
             } else {
@@ -246,7 +246,7 @@ impl Run<'_> {
     pub(crate) fn note_jump(&mut self, shown: &[f64], moves: Vec<f64>) {
         let by: Vec<f64> = self.shown().iter().zip(shown).map(|(after, before)| after - before).collect();
         if by.iter().any(|jump| *jump != 0.0) {
-            self.out.jumps.push(Jump { time: self.t, by, moves });
+            self.out.jumps.push(Jump { time: self.time(), by, moves });
         }
     }
 

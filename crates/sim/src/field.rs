@@ -20,9 +20,13 @@ pub(crate) struct Field<'a> {
     output: Scratch<1>,
     jacobian: Option<Scratch<LANES>>,
     hints: Vec<usize>,
-    /// Inputs are read just before this time at the latest: a step that ends where an input jumps must not
+    /// The time of the record at which the run starts: what is evaluated here is at times since then.
+    pub(crate) origin: f64,
+    /// Inputs are read just before this time of the record at the latest: a step that ends where an input jumps must not
     /// see the jump.
     pub(crate) left_of: Option<f64>,
+    /// ... and at this one at the earliest: a step that begins there must see it.
+    pub(crate) right_of: f64,
     /// Inputs that are read at the present time all the same: what jumps there has done so.
     pub(crate) stepped: Vec<bool>,
     /// Present mode of each switch: +1, -1, or, while it sticks, the fraction of the friction limit in use;
@@ -50,7 +54,7 @@ pub(crate) struct Field<'a> {
 }
 
 impl<'a> Field<'a> {
-    pub(crate) fn new(automaton: &'a Automaton, drive: &'a Drive<'a>, tolerance: f64) -> Self {
+    pub(crate) fn new(automaton: &'a Automaton, drive: &'a Drive<'a>, origin: f64, tolerance: f64) -> Self {
         let c = automaton.switches.len();
         let all = c + automaton.kinks;
         let scratch = |tape| prepared(automaton, drive, tape);
@@ -64,7 +68,9 @@ impl<'a> Field<'a> {
             output: scratch(&automaton.output),
             jacobian: None,
             hints: vec![0; automaton.inputs],
+            origin,
             left_of: None,
+            right_of: f64::NEG_INFINITY,
             stepped: vec![false; automaton.inputs],
             modes: vec![0.0; all],
             stuck: vec![false; all],
@@ -131,7 +137,9 @@ impl<'a> Field<'a> {
         let arguments = Arguments {
             automaton: self.automaton,
             drive: self.drive,
+            origin: self.origin,
             left_of: self.left_of,
+            right_of: self.right_of,
             stepped: &self.stepped,
             modes: &self.modes,
             stuck: &self.stuck,
@@ -445,7 +453,9 @@ enum Which {
 struct Arguments<'f> {
     automaton: &'f Automaton,
     drive: &'f Drive<'f>,
+    origin: f64,
     left_of: Option<f64>,
+    right_of: f64,
     stepped: &'f [bool],
     modes: &'f [f64],
     stuck: &'f [bool],
@@ -463,11 +473,13 @@ impl Arguments<'_> {
         hints: &mut [usize],
     ) {
         let (n, u, p) = (x.len(), self.automaton.inputs, self.automaton.parameters);
+        let t = self.origin + t;
         scratch.input(0)[lane] = t;
         for (k, &value) in x.iter().enumerate() {
             scratch.input(1 + k)[lane] = value;
         }
         if u > 0 {
+            let t = t.max(self.right_of);
             let left = self.left_of.map_or(t, |edge| t.min(edge.next_down()));
             for (k, signal) in self.drive.inputs.iter().enumerate() {
                 let t = if self.stepped[k] { t } else { left };

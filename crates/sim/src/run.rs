@@ -127,16 +127,16 @@ impl Run<'_> {
     fn step(&mut self) -> Result<(), SimError> {
         let end = self.times[self.times.len() - 1];
         let end = if self.observer.is_some() { self.times[self.next] } else { end };
-        let target = self.breakpoints.last().map_or(end, |b| b.min(end));
+        let target = self.breakpoints.last().map_or(end, |b| (b - self.field.origin).min(end));
         let tiny = SHORTEST_STEP * self.t.abs().max(end.abs()).max(self.span);
         self.step.start(self.t, &self.x, &self.rates);
         self.measure();
         loop {
             if self.options.stop.aborts() {
-                return Err(SimError::Stopped { time: self.t });
+                return Err(SimError::Stopped { time: self.time() });
             }
             if self.out.steps + self.out.rejected > self.options.max_steps {
-                return Err(SimError::TooManySteps { time: self.t });
+                return Err(SimError::TooManySteps { time: self.time() });
             }
             let mut h = self.h.min(self.longest);
             h = h.min(self.speed_limit());
@@ -218,8 +218,10 @@ impl Run<'_> {
         let n = self.x.len();
         let bad = |k: &[f64]| (0..n).find(|&i| !k[i].is_finite());
         match bad(&self.rates).or_else(|| self.step.k.iter().find_map(|k| bad(k))) {
-            Some(i) => SimError::NotFinite { time: self.t, state: self.field.automaton.states[i].clone() },
-            None => SimError::TooManySteps { time: self.t },
+            Some(i) => {
+                SimError::NotFinite { time: self.time(), state: self.field.automaton.states[i].clone() }
+            }
+            None => SimError::TooManySteps { time: self.time() },
         }
     }
 
@@ -274,7 +276,7 @@ impl Run<'_> {
         let fits = |i: usize| self.x[i].abs() <= self.options.diverged * reach[i];
         match (0..self.x.len()).find(|&i| !fits(i)) {
             Some(i) => {
-                Err(SimError::Diverged { time: self.t, state: self.field.automaton.states[i].clone() })
+                Err(SimError::Diverged { time: self.time(), state: self.field.automaton.states[i].clone() })
             }
             None => Ok(()),
         }
@@ -282,11 +284,11 @@ impl Run<'_> {
 
     /// Continues after a breakpoint of an input, if the present point is one.
     fn pass_breakpoint(&mut self) {
-        if self.breakpoints.last().is_none_or(|&b| b > self.t) {
-            return;
-        }
-        let ahead = self.breakpoints.partition_point(|&b| b > self.t);
+        let (origin, t) = (self.field.origin, self.t);
+        let ahead = self.breakpoints.partition_point(|&b| b - origin > t);
         let passed = self.breakpoints.split_off(ahead);
+        let Some(&last) = passed.first() else { return };
+        self.field.right_of = last;
         self.pass_moving_steps(&passed);
         self.field.left_of = self.breakpoints.last().copied();
         self.decide_again();
@@ -307,7 +309,7 @@ impl Run<'_> {
             let mut moves = vec![0.0; s.m];
             own.for_each(|moving| {
                 let place = s.free.iter().position(|&k| k == moving.parameter);
-                place.into_iter().for_each(|k| moves[n + k] += moving.by.value(self.t));
+                place.into_iter().for_each(|k| moves[n + k] += moving.by.value(self.time()));
             });
             let steps = |&at: &f64| signal.value(at.next_down()) != signal.value(at);
             if !passed.iter().any(steps) {

@@ -33,10 +33,13 @@ impl Surfaces {
 
 pub(crate) struct Run<'a> {
     pub(crate) field: Field<'a>,
-    pub(crate) times: &'a [f64],
+    /// When samples are taken, from the start on: all of a run counts from there, for a double holds the time since 1970
+    /// to a quarter of a microsecond only. The rates alone see the time of the record.
+    pub(crate) times: Vec<f64>,
     pub(crate) options: &'a Options,
     /// The smallest size of each state that matters.
     pub(crate) scale: Vec<f64>,
+    /// Since the start.
     pub(crate) t: f64,
     pub(crate) x: Vec<f64>,
     /// Rates at the present point, followed by the loads of the sticking contacts.
@@ -58,7 +61,7 @@ pub(crate) struct Run<'a> {
     pub(crate) speed_limited: Vec<bool>,
     /// Length of the whole run.
     pub(crate) span: f64,
-    /// Times at which an input or its slope jumps, in descending order: a step ends there.
+    /// Times of the record at which an input or its slope jumps, in descending order: a step ends there.
     pub(crate) breakpoints: Vec<f64>,
     pub(crate) sensitivity: Option<Sensitivity>,
     pub(crate) out: Trajectory,
@@ -82,7 +85,7 @@ impl<'a> Run<'a> {
         drive: &'a Drive<'a>,
         t0: f64,
         start: &[f64],
-        times: &'a [f64],
+        times: &[f64],
         options: &'a Options,
     ) -> Self {
         let (n, c) = (start.len(), automaton.switches.len());
@@ -109,11 +112,11 @@ impl<'a> Run<'a> {
             }
         }
         Run {
-            field: Field::new(automaton, drive, options.tolerance),
-            times,
+            field: Field::new(automaton, drive, t0, options.tolerance),
+            times: times.iter().map(|t| t - t0).collect(),
             options,
             scale,
-            t: t0,
+            t: 0.0,
             x: start.to_vec(),
             rates: vec![0.0; n + c],
             step: Step::new(n, c),
@@ -130,7 +133,7 @@ impl<'a> Run<'a> {
             sensitivity,
             out,
             next: 0,
-            chatter: (0, t0),
+            chatter: (0, 0.0),
             turned: vec![f64::NEG_INFINITY; automaton.kinks],
             buffer: vec![0.0; n + c],
             observer: None,
@@ -139,11 +142,16 @@ impl<'a> Run<'a> {
         }
     }
 
+    /// The time of the record.
+    pub(crate) fn time(&self) -> f64 {
+        self.field.origin + self.t
+    }
+
     /// Records the modes that have changed.
     pub(crate) fn record(&mut self, before: &[i8]) {
         let after = self.field.signs();
         for (switch, (&from, &to)) in before.iter().zip(&after).enumerate().filter(|(_, (a, b))| a != b) {
-            self.out.events.push(Event { time: self.t, switch, from, to });
+            self.out.events.push(Event { time: self.time(), switch, from, to });
         }
     }
 }

@@ -3,6 +3,7 @@
 use crate::common::{self, Case, grid, story};
 use approx::assert_abs_diff_eq;
 use phisindy_signal::{Interpolation, Signal};
+use phisindy_sim::{Drive, simulate};
 use std::sync::Arc;
 
 fn signal(time: &[f64], value: impl Fn(f64) -> f64, kind: Interpolation) -> Signal {
@@ -614,4 +615,30 @@ fn a_force_that_jumps_at_the_start_acts_from_there() {
     assert_eq!((run.modes[0], run.rates[0]), (1, 1.5));
     assert_abs_diff_eq!(run.states[1], 1.5, epsilon = 1e-12);
     assert!(run.events.is_empty(), "{:?}", run.events);
+}
+
+/// A double holds the time since 1970 to a quarter of a microsecond; steps behind a turn are shorter.
+#[test]
+fn a_motion_does_not_depend_on_the_origin_of_time() {
+    let states = [("x", 2e-3, "v"), ("v", 0.0, "P - k*x - F*(1 + exp(-|v|/c))*sgn(v)")];
+    let times = grid(1.0, 200);
+    let motion = |origin: f64| {
+        let at = |times: &[f64]| times.iter().map(|t| origin + t).collect::<Vec<f64>>();
+        let level = |t: f64| if (0.25..0.55).contains(&(t - origin)) { -3.0 } else { 2.0 };
+        let force = signal(&at(&[0.0, 0.3, 0.6, 0.9]), level, Interpolation::Hold);
+        let constants = [("k", 2500.0), ("F", 0.3), ("c", 2e-3)];
+        let case = Case::driven(&states, &constants, vec![("P", force)]).tolerance(1e-9);
+        let drive = Drive { inputs: &case.inputs, parameters: &case.parameters };
+        simulate(&case.automaton, &drive, origin, &case.start, &at(&times), &case.options).unwrap()
+    };
+    let first = motion(0.0);
+    for origin in [0.1, -7.3, 1.7e9] {
+        let run = motion(origin);
+        assert_eq!(story(&run), story(&first), "{origin}");
+        // A quarter of a microsecond at the speed of the motion, 0.1 m/s, and again at each step of the force.
+        for (k, (x, y)) in run.states.iter().zip(&first.states).enumerate() {
+            let size = if k % 2 == 0 { 1e-7 } else { 1e-5 };
+            assert_abs_diff_eq!(x, y, epsilon = if origin.abs() < 1e3 { 1e-9 } else { size });
+        }
+    }
 }

@@ -8,6 +8,8 @@ const MAPS: &[&str] = &[
     "constants",
     "states",
     "inputs",
+    "outputs",
+    "let",
     "known",
     "inertia",
     "unknown",
@@ -18,11 +20,18 @@ const MAPS: &[&str] = &[
     "sensors",
     "rows",
     "interpolate",
+    "detrend",
+    "streams",
+    "places",
+    "enters",
+    "coordinates",
+    "forces",
 ];
 /// Fields that are lists: there is nothing to create in them by index.
 const LISTS: &[&str] = &["contacts", "data", "candidates", "laws", "search", "measure", "epochs", "rates"];
 /// Maps whose values are plain, so that no path goes deeper.
-const PLAIN: &[&str] = &["states", "known", "inertia", "truth", "start", "rows", "interpolate", "derive"];
+const PLAIN: &[&str] =
+    &["states", "known", "inertia", "truth", "start", "rows", "interpolate", "derive", "let", "detrend"];
 
 /// The text with the first of `parts` added to `node`, which is the value of `field`; further parts are
 /// created inside it.
