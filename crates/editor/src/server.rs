@@ -7,7 +7,7 @@ use crate::complete::complete;
 use crate::diagnose::{known, mistakes};
 use crate::document::Document;
 use crate::hover::hover;
-use crate::position::{byte, range};
+use crate::position::{Lines, byte, range};
 use crate::words::Known;
 use lsp_server::{Connection, ErrorCode, Message, Notification, Request, RequestId, Response};
 use lsp_types::notification::{
@@ -273,14 +273,14 @@ fn formatted(document: &Document<'_>) -> Value {
 
 /// The fields of the whole, and the keys of their maps.
 fn symbols(document: &Document<'_>) -> Value {
-    json!(symbols_in(document, &document.root, 1))
+    json!(symbols_in(document, &Lines::new(document.text), &document.root, 1))
 }
 
-fn symbols_in(document: &Document<'_>, node: &Node, below: usize) -> Vec<DocumentSymbol> {
+fn symbols_in(document: &Document<'_>, lines: &Lines<'_>, node: &Node, below: usize) -> Vec<DocumentSymbol> {
     let symbol = |entry: &Entry| {
         let key = entry.key.as_ref()?;
         let name = document.text[document.content(key).range()].to_owned();
-        let children = (below > 0).then(|| symbols_in(document, &entry.value, below - 1));
+        let children = (below > 0).then(|| symbols_in(document, lines, &entry.value, below - 1));
         #[expect(deprecated, reason = "the type has no other way to be made")]
         let symbol = DocumentSymbol {
             name: if name.is_empty() { "?".to_owned() } else { name },
@@ -288,8 +288,8 @@ fn symbols_in(document: &Document<'_>, node: &Node, below: usize) -> Vec<Documen
             kind: if below > 0 { SymbolKind::FIELD } else { SymbolKind::VARIABLE },
             tags: None,
             deprecated: None,
-            range: range(document.text, key.span.to(entry.value.span)),
-            selection_range: range(document.text, key.span),
+            range: lines.range(key.span.to(entry.value.span)),
+            selection_range: lines.range(key.span),
             children: children.filter(|inner| !inner.is_empty()),
         };
         Some(symbol)

@@ -353,7 +353,13 @@ impl Guess<'_> {
     /// Whether what moves is what moves of the rig that the user says, as far as its unit tells.
     fn said_motion(&self, moving: Option<usize>) -> Result<(), NoMotion> {
         let (Some(rig), Some(moving)) = (self.rig, moving) else { return Ok(()) };
+        let tester = rig == Rig::Tester;
         let what = match (rig.turns(), self.quantity(moving)) {
+            (_, measured)
+                if tester && !matches!(measured, Quantity::Length | Quantity::Unknown | Quantity::Count) =>
+            {
+                "a displacement along a line"
+            }
             (Some(true), Quantity::Length | Quantity::Speed) => "an angle",
             (Some(false), Quantity::Angle | Quantity::AngularSpeed) => "a displacement along a line",
             _ => return Ok(()),
@@ -375,14 +381,14 @@ impl Guess<'_> {
         }
         // What a tester reads is a force; what drives another rig may be a current.
         let tester = rig == Rig::Tester;
-        let acts = |k: usize| !(tester && self.quantity(k) == Quantity::Electric);
-        let any = || {
-            self.signals(|k| {
-                beside(k) && acts(k) && !matches!(self.quantity(k), Quantity::Length | Quantity::Angle)
-            })
+        let acts = |k: usize| match self.quantity(k) {
+            Quantity::Force | Quantity::Unknown => true,
+            Quantity::Torque | Quantity::Electric => !tester,
+            _ => false,
         };
+        let any = || self.signals(|k| beside(k) && acts(k));
         let force = force.filter(|&k| acts(k)).or_else(|| any().first().copied());
-        let what = if tester { "a force or torque" } else { "a force, torque, current or voltage" };
+        let what = if tester { "a force" } else { "a force, torque, current or voltage" };
         force.map(Some).ok_or(NoMotion::Lacks { rig, what })
     }
 

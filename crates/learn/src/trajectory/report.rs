@@ -1,7 +1,8 @@
 //! A fit as a result: terms and parameters with error bars, warnings, free runs, a verdict.
 
 use crate::decisions::{
-    CHANCE_OF_NOISE, COLOURED_PART, LAW_MISSING, MOSTLY, OTHER_MACHINE, PROFILED_TERMS, RARE, WORST_NRMSE,
+    CHANCE_OF_NOISE, COLOURED_PART, COMPLETE, LAW_MISSING, MOSTLY, OTHER_MACHINE, PROFILED_TERMS, RARE,
+    WORST_NRMSE,
 };
 use crate::differentiator_dependence::{Number, dependence};
 use crate::input_noise::{self, InputNoiseEffect};
@@ -169,6 +170,8 @@ fn with_force(
             output: false,
             share: of.of_motion,
         }),
+        // What is a hundredth of the whole is not worth a word, as it is not worth a term.
+        None if remainder.iter().all(|left| left.share < COMPLETE) => Verdict::Identified,
         None => Verdict::Named,
     }
 }

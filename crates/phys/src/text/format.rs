@@ -8,7 +8,7 @@
 //! began a line goes on to do so. The fields of the whole stand below each other.
 
 use crate::text::diagnostic::{Diagnostic, SourceId};
-use crate::text::raw::{Kind, Mistake, comment_length, parse, tokens};
+use crate::text::raw::{Kind, Mistake, comment_length, fits, parse, tokens};
 
 /// Most characters of a line, where a break can keep to it.
 const WIDTH: usize = 110;
@@ -32,7 +32,10 @@ pub fn format(text: &str, source: SourceId) -> Result<String, Diagnostic> {
     let ending = if text.find('\n').is_some_and(|at| text[..at].ends_with('\r')) { "\r\n" } else { "\n" };
     let mut printer = Printer { out: head.to_owned(), indent: 0, ending };
     printer.entries(&Reader { pieces: &pieces, at: 0, late: vec![] }.entries(), Layout::Whole);
-    Ok(printer.out + ending)
+    let formatted = printer.out + ending;
+    // Deep brackets on many lines take more room than on one: nobody could read the text any more.
+    fits(&formatted).map_err(|mistake| mistake.diagnostic(source))?;
+    Ok(formatted)
 }
 
 /// A token or a comment.
@@ -67,8 +70,10 @@ fn pieces(text: &str) -> Result<(&str, Vec<Piece<'_>>), Mistake> {
     let mut at = head;
     let mut add = |space: usize, start: usize, end: usize, what| {
         let newlines = text[space..start].matches('\n').count();
-        let line = text[..start].rfind('\n').map_or(0, |end| end + 1);
-        let column = (newlines == 0 && start - space > 1).then(|| text[line..start].chars().count());
+        let column = (newlines == 0 && start - space > 1).then(|| {
+            let line = text[..start].rfind('\n').map_or(0, |end| end + 1);
+            text[line..start].chars().count()
+        });
         all.iter_mut().last().into_iter().for_each(|previous: &mut Piece<'_>| previous.last = newlines > 0);
         all.push(Piece { text: text[start..end].trim_end(), what, newlines, column, last: true });
     };
@@ -137,9 +142,9 @@ impl Entry<'_> {
     /// All in front of its comma on one line, where it can be.
     fn flat(&self) -> Option<String> {
         let mut text = String::new();
-        for comment in &self.before {
+        for (k, comment) in self.before.iter().enumerate() {
             text += comment.flat()?;
-            text += if self.parts.is_empty() { "" } else { " " };
+            text += if self.parts.is_empty() && k + 1 == self.before.len() { "" } else { " " };
         }
         for (k, part) in self.parts.iter().enumerate() {
             text += if k > 0 && self.parts[k - 1].apart(part) { " " } else { "" };

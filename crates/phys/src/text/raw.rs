@@ -10,7 +10,7 @@ mod scan;
 pub(crate) use mistake::Mistake;
 use phisindy_expr::{Span, clipped};
 use ron::extensions::Extensions;
-pub(crate) use scan::{Kind, Token, tokens};
+pub(crate) use scan::{Kind, Token, fits, tokens};
 
 /// Most characters of a text that a message repeats.
 const LONGEST: usize = 200;

@@ -32,12 +32,18 @@ pub(crate) struct Token {
     pub(crate) span: Span,
 }
 
+/// Whether a text is short enough to be read.
+pub(crate) fn fits(text: &str) -> Result<(), Mistake> {
+    if text.len() <= LONGEST {
+        return Ok(());
+    }
+    Err(Mistake::new("the text is longer than 1 MiB", Span::new(0, 0), "")
+        .help("data belong into a data file, read with `Csv(path: ...)`"))
+}
+
 /// All tokens; white space and comments are left out.
 pub(crate) fn tokens(text: &str) -> Result<Vec<Token>, Mistake> {
-    if text.len() > LONGEST {
-        return Err(Mistake::new("the text is longer than 1 MiB", Span::new(0, 0), "")
-            .help("data belong into a data file, read with `Csv(path: ...)`"));
-    }
+    fits(text)?;
     let mut tokens: Vec<Token> = Vec::new();
     let mut open: Vec<Token> = Vec::new();
     let mut at = 0;
