@@ -483,16 +483,7 @@ fn counts(text: &str) -> Result<CountUnit, String> {
 
 /// A number of rows per second.
 fn rate(text: &str) -> Result<f64, String> {
-    let text = text.trim();
-    let (number, factor) = match (text.strip_suffix("kHz"), text.strip_suffix("Hz")) {
-        (Some(number), _) => (number, 1e3),
-        (None, Some(number)) => (number, 1.0),
-        (None, None) => (text, 1.0),
-    };
-    let rate = number.trim().parse::<f64>().map(|rate| rate * factor);
-    rate.ok()
-        .filter(|r| r.is_normal() && *r > 0.0)
-        .ok_or("a number of rows per second, as in 1000 or 2kHz".to_owned())
+    phisindy_import::rate(text)
 }
 
 /// Where to work on a page.

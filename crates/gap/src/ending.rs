@@ -123,6 +123,8 @@ impl<'s, 'a> Ending<'s, 'a> {
             }
             other => other,
         };
+        // What is left of an answer is the noise of its inputs or the scatter of the rig: no force is there.
+        let none = none.filter(|p| *p <= 0.5 || !matches!(status, Status::Explained | Status::Described));
         // What was stopped was not compared with all that could do as well.
         let status = match status {
             Status::Explained | Status::Described | Status::Named if self.interrupted() => {

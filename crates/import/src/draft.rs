@@ -217,7 +217,7 @@ impl Draft {
         if let Drive::Tester { damping, .. } = &mut draft.drive {
             *damping = None;
         }
-        draft.remarks.push(Remark::NoTimes);
+        draft.questions.push(Question::Rate);
         Ok(draft)
     }
 
@@ -461,7 +461,13 @@ fn name_columns(table: &mut Table, names: &[String]) -> Result<(), (usize, usize
         return Err((names.len(), table.columns.len()));
     }
     for (column, name) in table.columns.iter_mut().zip(names) {
-        column.heading = Heading { raw: column.heading.raw.clone(), ..Heading::parse(name) };
+        // Who names a column alone does not take its unit away.
+        let unit = column.heading.unit.clone();
+        let named = Heading { raw: column.heading.raw.clone(), ..Heading::parse(name) };
+        column.heading = match unit.filter(|_| named.unit.is_none()) {
+            Some(unit) => named.with_unit(&unit),
+            None => named,
+        };
     }
     let mut used = names.iter().map(|name| name != "-");
     table.columns.retain(|_| used.next().unwrap_or(true));

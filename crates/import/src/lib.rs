@@ -45,7 +45,7 @@ pub use data_file::{DataFile, ReadSeek, unreadable};
 pub use draft::Draft;
 pub use headings::{Heading, Quantity};
 pub use no_draft::NoDraft;
-pub use question::{Answers, CountUnit, Counted, OPEN_QUESTION, Question, time_unit};
+pub use question::{Answers, CountUnit, Counted, OPEN_QUESTION, Question, rate, time_unit};
 pub use records::RecordDraft;
 pub use remarks::Remark;
 pub use rig::Rig;

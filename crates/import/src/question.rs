@@ -45,6 +45,8 @@ pub enum Question {
         /// Heading of the force.
         force: String,
     },
+    /// The file has no times, and is of cycles whose force may hang on the way alone.
+    Rate,
     /// The unit in the heading of the time makes no record of a motion.
     TimeUnit {
         /// Heading of the column.
@@ -101,6 +103,7 @@ impl fmt::Display for Question {
                     "does `{force}` drive `{motion}`, or is it what the prescribed motion `{motion}` meets?"
                 )
             }
+            Question::Rate => f.write_str("there are no times: how many rows are there in a second?"),
             Question::TimeUnit { heading, unit, step, taken } => write!(
                 f,
                 "the heading `{heading}` says {unit}, and steps of {step} {unit} make no record of a motion: \
@@ -130,14 +133,17 @@ impl Question {
                     .to_owned()
             }
             Question::Base { .. } => {
-                "say `--rig base-excited` if it is; else the kind of rig, or what the columns are, as in \
-                 `--columns time_s,x_mm,F_N`"
+                "say `--rig base-excited` if it is; if the other one is, `--columns time_s,base_mm,x_mm` in the order \
+                 of the file; else the kind of rig"
                     .to_owned()
             }
             Question::Force { .. } => {
                 "say `--rig slider` if it drives a body, `--rig tester` if the motion is prescribed"
                     .to_owned()
             }
+            Question::Rate => "say `--rate 500Hz`; of cycles that are so slow that the force hangs on the way alone, \
+                 `--rate 1Hz --rig tester`"
+                .to_owned(),
             Question::TimeUnit { .. } => {
                 "say `--time-unit us` (or s, ms, ns, min, h), or correct the heading".to_owned()
             }
@@ -162,6 +168,7 @@ impl Question {
             Question::Drive { .. } | Question::Base { .. } | Question::Force { .. } => {
                 answers.rig = Some(Rig::parse(text)?);
             }
+            Question::Rate => answers.rate = Some(rate(text)?),
             Question::TimeUnit { .. } => answers.time_unit = Some(time_unit(text)?),
         }
         Ok(())
@@ -185,6 +192,10 @@ impl Question {
             Question::Force { .. } => {
                 "it is drafted as a force on a body; delete this line if it is".to_owned()
             }
+            Question::Rate => {
+                "a row is taken for a second: what hangs on the speed means nothing; delete this line if the cycles are slow"
+                    .to_owned()
+            }
             Question::TimeUnit { taken, .. } => {
                 format!("the records take {taken}; write the right unit there, and the windows in seconds")
             }
@@ -194,6 +205,22 @@ impl Question {
 
 /// Most headings in a question.
 const MOST_SHOWN: usize = 6;
+
+/// Rows per second, as a user says them: `1000`, `50 Hz`, `2kHz`.
+///
+/// # Errors
+/// In words: what it should be.
+pub fn rate(text: &str) -> Result<f64, String> {
+    let text = text.trim();
+    let (number, factor) = match (text.strip_suffix("kHz"), text.strip_suffix("Hz")) {
+        (Some(number), _) => (number, 1e3),
+        (None, Some(number)) => (number, 1.0),
+        (None, None) => (text, 1.0),
+    };
+    let rate = number.trim().parse::<f64>().map(|rate| rate * factor);
+    let sound = rate.ok().filter(|rate| rate.is_normal() && *rate > 0.0);
+    sound.ok_or("a number of rows per second, as in 1000 or 2kHz".to_owned())
+}
 
 /// A unit of time, as a user says it.
 ///

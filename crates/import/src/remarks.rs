@@ -24,8 +24,6 @@ pub enum Remark {
         /// The assumed unit.
         unit: &'static str,
     },
-    /// The file has no times and is of slow cycles, for which one row a second does as well as any.
-    NoTimes,
     /// The stamps are coarser than the rows.
     CoarseTime(Coarse),
     /// No column is time, and the header states the rate.
@@ -130,10 +128,6 @@ impl fmt::Display for Remark {
                 "the heading `{heading}` gives no unit: its numbers are taken for {unit} (for others name the unit in the heading or in the records, as in \
                  `(\"{heading}\", \"m{unit}\")`)"
             ),
-            Remark::NoTimes => f.write_str(
-                "the file has no times: of slow cycles the force hangs on the way alone, so a row is taken for a second, and what hangs on the \
-                 speed means nothing (say how many rows there are in a second: `--rate HZ`)",
-            ),
             Remark::CoarseTime(Coarse { heading, step, rows: (least, most), rate }) => write!(
                 f,
                 "`{heading}` is coarser than the rows, with a new stamp every {} for {least}{} rows each: the rows are counted, {rate} of them per second",
@@ -162,10 +156,7 @@ impl fmt::Display for Remark {
             ),
             Remark::OtherSheets(names) => {
                 let list = names.join("`, `");
-                write!(
-                    f,
-                    "the file has other sheets with numbers: `{list}` (name one with `--sheet`)"
-                )
+                write!(f, "the file has other sheets with numbers: `{list}` (name one with `--sheet`)")
             }
             Remark::Note(what) => f.write_str(what),
             Remark::SharedHeading(name) => write!(

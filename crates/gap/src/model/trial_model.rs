@@ -470,7 +470,14 @@ impl TrialModel {
         let of_effects = self.effects.iter().flat_map(|a| a.names.iter().chain(&a.internal).cloned());
         let states = self.system.states.iter().map(|s| s.name.clone());
         let inputs = self.system.inputs.iter().map(|u| u.name.clone());
-        states.chain(inputs).chain(own(&spec.constants)).chain(of_records).chain(of_effects).collect()
+        let outputs = self.system.outputs.iter().map(|o| o.name.clone());
+        states
+            .chain(inputs)
+            .chain(outputs)
+            .chain(own(&spec.constants))
+            .chain(of_records)
+            .chain(of_effects)
+            .collect()
     }
 }
 

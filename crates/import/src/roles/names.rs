@@ -72,6 +72,15 @@ pub(super) const BASES: &[&str] = &[
     "fuss",
     "wall",
     "sockel",
+    "fusspunkt",
+    "fußpunkt",
+    "basis",
+    "fundament",
+    "tisch",
+    "unterlage",
+    "podest",
+    "anregung",
+    "erregung",
 ];
 /// Words for a copy of another column: simulated, filtered, fitted.
 pub(super) const COPIES: &[&str] = &[

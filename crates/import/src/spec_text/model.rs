@@ -58,8 +58,10 @@ pub(super) fn constants(draft: &Draft, notation: &Notation, text: &mut String) {
     let most = 10.0 * damping.max(estimate.damping);
     add("c", start * per, notation.damper_unit, (0.0, most * per), &format!("EDIT: {what}"));
     if let Input::Drive(_) = draft.roles.input {
-        let gain = estimate.input_gain.filter(|b| *b != 0.0).unwrap_or(1.0);
-        let size = 5.0 * gain.abs();
+        // Where the regression tells none, the one that the size of drive and acceleration suggest.
+        let plausible = || (draft.motion.plausible_inertia().map_or(1.0, f64::recip), WIDE * WIDE);
+        let (gain, wide) = estimate.input_gain.filter(|b| *b != 0.0).map_or_else(plausible, |b| (b, 5.0));
+        let size = wide * gain.abs();
         let comment = "EDIT: acceleration for each unit of the input; either sign";
         add("b", gain, &notation.gain_unit, (-size, size), comment);
     }
