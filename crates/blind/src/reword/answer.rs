@@ -43,8 +43,9 @@ pub(super) struct Answer {
     verdict: String,
     /// The program's exit code.
     code: Option<i32>,
-    /// Whether noise is a part of the reading.
+    /// Whether noise is a part of the reading, and whether readings count from another zero.
     relative: bool,
+    moved: bool,
     /// By what it is, in a form that does not depend on its spelling: what is shown, and its numbers.
     found: BTreeMap<String, (String, Vec<Number>)>,
 }
@@ -72,6 +73,7 @@ impl Answer {
                 verdict: format!("exit code {code:?} {why}"),
                 code,
                 relative: false,
+                moved: back.moved,
                 found: BTreeMap::new(),
             };
         };
@@ -120,12 +122,13 @@ impl Answer {
             }
         }
         let relative = json["noise_model"].as_str().is_some_and(|noise| noise != "additive");
-        Answer { verdict, code, relative: relative && back.moved, found }
+        Answer { verdict, code, relative, moved: back.moved, found }
     }
 
     /// Where two answers disagree, if they do.
     pub(super) fn against(&self, other: &Answer, agree: Agree) -> Option<String> {
-        let agree = if other.relative { Agree::Interval } else { agree };
+        let another = other.moved && (self.relative || other.relative);
+        let agree = if another { Agree::Interval } else { agree };
         if agree == Agree::Interval && (self.code, other.code) == (Some(1), Some(1)) {
             return None;
         }
