@@ -356,7 +356,7 @@ mod tests {
         let said = changed(text, |ast, root| Some(turned_around(ast, root, text)));
         assert_eq!(
             said.as_deref(),
-            Some("(-exp(((-abs(v))/3.0)) + ((max((b + a), 1)^2) + (0.5*(-(abs((-y + x))*k)))))")
+            Some("(-exp((-(abs(v)/3.0))) + ((max((b + a), 1)^2) + (-(0.5*(abs((-y + x))*k)))))")
         );
     }
 }
