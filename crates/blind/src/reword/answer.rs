@@ -16,7 +16,8 @@ pub(super) enum Agree {
     /// Rounding differs, and with it where the fit stops: costs that differ by less than a millionth of themselves
     /// are one to it (`learn`: `gain`), which in a few thousand samples is a hundredth of what an interval stands for.
     Solver,
-    /// Other samples of the same motion: their intervals meet.
+    /// Other samples of the same motion: their intervals meet. Which doubt speaks first may hang on the samples, so that
+    /// what is not accepted is not accepted, in whatever words.
     Interval,
 }
 
@@ -40,8 +41,11 @@ const STOPS: f64 = 0.02;
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Answer {
     verdict: String,
-    /// Whether noise is a part of the reading.
+    /// The program's exit code.
+    code: Option<i32>,
+    /// Whether noise is a part of the reading, and whether readings count from another zero.
     relative: bool,
+    moved: bool,
     /// By what it is, in a form that does not depend on its spelling: what is shown, and its numbers.
     found: BTreeMap<String, (String, Vec<Number>)>,
 }
@@ -67,7 +71,9 @@ impl Answer {
             let why = said.err.lines().find(|line| line.starts_with("error")).unwrap_or_default();
             return Answer {
                 verdict: format!("exit code {code:?} {why}"),
+                code,
                 relative: false,
+                moved: back.moved,
                 found: BTreeMap::new(),
             };
         };
@@ -116,12 +122,16 @@ impl Answer {
             }
         }
         let relative = json["noise_model"].as_str().is_some_and(|noise| noise != "additive");
-        Answer { verdict, relative: relative && back.moved, found }
+        Answer { verdict, code, relative, moved: back.moved, found }
     }
 
     /// Where two answers disagree, if they do.
     pub(super) fn against(&self, other: &Answer, agree: Agree) -> Option<String> {
-        let agree = if other.relative { Agree::Interval } else { agree };
+        let another = other.moved && (self.relative || other.relative);
+        let agree = if another { Agree::Interval } else { agree };
+        if agree == Agree::Interval && (self.code, other.code) == (Some(1), Some(1)) {
+            return None;
+        }
         if self.verdict != other.verdict {
             return Some(format!("{} became {}", self.verdict, other.verdict));
         }

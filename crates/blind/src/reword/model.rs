@@ -105,7 +105,7 @@ pub(super) fn sign(mut question: Question, spec: &Spec, dice: &mut Dice) -> Opti
     let alone = |contact: &Text| spec.states.iter().any(|(name, _)| name.value == contact.value);
     let chosen = if spec.contacts.iter().all(alone) { vec![*dice.pick(&bodies)] } else { bodies };
     let turned: Vec<&str> = chosen.iter().flat_map(|(x, v)| [*x, *v]).collect();
-    let mut with: Vec<_> = turned.iter().map(|name| (format!("{name}"), format!("(-{name})"))).collect();
+    let mut with: Vec<_> = turned.iter().map(|name| ((*name).to_owned(), format!("(-{name})"))).collect();
     with.extend(turned.iter().map(|name| (format!("rate {name}"), format!("(-rate({name}))"))));
     let mut any = spec.outputs.iter().any(|_| true);
     for name in &turned {
@@ -356,7 +356,7 @@ mod tests {
         let said = changed(text, |ast, root| Some(turned_around(ast, root, text)));
         assert_eq!(
             said.as_deref(),
-            Some("(-exp(((-abs(v))/3.0)) + ((max((b + a), 1)^2) + (0.5*(-(abs((-y + x))*k)))))")
+            Some("(-exp((-(abs(v)/3.0))) + ((max((b + a), 1)^2) + (-(0.5*(abs((-y + x))*k)))))")
         );
     }
 }
