@@ -86,7 +86,7 @@ fn a_rig_that_is_said_has_its_model() {
             &rows("t_s,theta_rad", |t| vec![t, (2.0 * t).sin()]),
             "for `--rig motor` there is no column of a force, torque, current or voltage",
         ),
-        (Rig::Tester, &turned, "for `--rig tester` there is no column of a force or torque"),
+        (Rig::Tester, &turned, "for `--rig tester` there is no column of a displacement along a line"),
         (Rig::Pendulum, &two, "for `--rig pendulum` there is no column of an angle"),
         (Rig::RobotJoint, &two, "for `--rig robot-joint` there is no column of an angle"),
         (Rig::Slider, &turned, "for `--rig slider` there is no column of a displacement along a line"),
