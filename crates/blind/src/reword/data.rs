@@ -73,7 +73,7 @@ fn column(
     Some(question.edited(units.collect()))
 }
 
-/// As [`column`], with a number for a number.
+/// As [`column()`], with a number for a number.
 fn scaled(by: impl Fn(f64) -> f64) -> impl FnMut(&str) -> Option<String> {
     move |text| text.parse().ok().map(|x| format!("{:?}", by(x)))
 }
