@@ -2,13 +2,13 @@
 //! other words: verdict, terms and laws with their places, numbers and intervals must be the same.
 //!
 //! ```text
-//! seed --drawn--> Question: spec, tables --REWORDINGS--> the same in other words, and the way back
+//! seed --cases--> Question: spec, tables --REWORDINGS--> the same in other words, and the way back
 //!      --phisindy run, gap--> Answer --against--> agree? --tally--> table
 //! ```
 
 mod answer;
+mod cases;
 mod data;
-mod drawn;
 mod format;
 mod model;
 mod order;
@@ -80,7 +80,7 @@ fn case(
     index: usize,
     folder: &Path,
 ) -> Result<Vec<Outcome>> {
-    let Some(question) = drawn::drawn(args, program, index, &folder.join("drawn"))? else {
+    let Some(question) = cases::drawn(args, program, index, &folder.join("drawn"))? else {
         return Ok(vec![]);
     };
     let Some(spec) = question.read() else { bail!("case {index} cannot be read") };

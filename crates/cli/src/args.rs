@@ -8,7 +8,7 @@ use clap::error::ErrorKind;
 use clap::parser::ValueSource;
 use clap::{CommandFactory, Parser, Subcommand, ValueEnum};
 use phisindy::files::{Assignment, Naming, Request, open_plain_file};
-use phisindy_import::{Answers, CountUnit, Rig, time_unit};
+use phisindy_import::{Answers, CountUnit, Rig};
 use phisindy_phys::spec::Method;
 use phisindy_report::export::{EXPORTERS, Exporter};
 use phisindy_report::{Look, Plan, RESULT};
@@ -442,19 +442,19 @@ pub(crate) struct NewArgs {
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct Said {
     /// Rows per second, of a file without times or in place of them
-    #[arg(long, value_name = "HZ", value_parser = rate)]
+    #[arg(long, value_name = "HZ", value_parser = phisindy_import::rate)]
     pub(crate) rate: Option<f64>,
     /// Names of the columns with their units, in the place of the headings; - for one that is not used
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', allow_hyphen_values = true)]
     pub(crate) columns: Vec<String>,
     /// Unit of the column of time, where its heading gives none or a wrong one
-    #[arg(long, value_name = "UNIT", value_parser = time_unit)]
+    #[arg(long, value_name = "UNIT", value_parser = phisindy_import::time_unit)]
     pub(crate) time_unit: Option<String>,
     /// Counts of an encoder in a turn or a length, 4096/rev, 200/mm; of one of several, enc_motor=4096/rev
-    #[arg(long, value_name = "N/UNIT", value_parser = counts)]
+    #[arg(long, value_name = "N/UNIT", value_parser = CountUnit::parse)]
     pub(crate) counts: Vec<CountUnit>,
     /// Kind of rig: slider, pendulum, motor, base-excited, quarter-car, tester, robot-joint, free [default: guessed]
-    #[arg(long, value_name = "KIND", value_parser = rig)]
+    #[arg(long, value_name = "KIND", value_parser = Rig::parse)]
     pub(crate) rig: Option<Rig>,
 }
 
@@ -469,21 +469,6 @@ impl Said {
             rig: self.rig,
         }
     }
-}
-
-/// A kind of rig.
-fn rig(text: &str) -> Result<Rig, String> {
-    Rig::parse(text)
-}
-
-/// How many counts are a turn, a length or an acceleration; the unit of one count.
-fn counts(text: &str) -> Result<CountUnit, String> {
-    CountUnit::parse(text)
-}
-
-/// A number of rows per second.
-fn rate(text: &str) -> Result<f64, String> {
-    phisindy_import::rate(text)
 }
 
 /// Where to work on a page.

@@ -1,8 +1,8 @@
 //! What could stand at a place.
 
+use crate::descriptions::{self, Known};
 use crate::document::{Document, Place};
 use crate::hover::identifier;
-use crate::words::{self, Known};
 use lsp_types::CompletionItemKind as Of;
 use phisindy_expr::Span;
 use phisindy_expr::ops::function_names;
@@ -57,8 +57,8 @@ pub fn complete(document: &Document<'_>, known: &Known, at: usize) -> (Vec<Compl
         for group in &wants.groups {
             for field in group.fields.iter().filter(|field| !there.contains(&field.0)) {
                 let insert = if colon { field.0.to_owned() } else { format!("{}: ", field.0) };
-                let about = Some(words::field(group, field));
-                all.push(item(field.0, insert, words::shape(field.form()), about, Of::FIELD));
+                let about = Some(descriptions::field(group, field));
+                all.push(item(field.0, insert, descriptions::shape(field.form()), about, Of::FIELD));
             }
         }
     }
@@ -67,7 +67,7 @@ pub fn complete(document: &Document<'_>, known: &Known, at: usize) -> (Vec<Compl
         let those = declared.iter().filter(|declared| is(declared.kind));
         let mut names: Vec<Completion> = Vec::new();
         for d in those {
-            let about = words::name(document, known, d.name);
+            let about = descriptions::name(document, known, d.name);
             let unit = d.unit.map_or(String::new(), |unit| format!(", {unit}"));
             names.push(item(
                 d.name,
@@ -88,13 +88,14 @@ pub fn complete(document: &Document<'_>, known: &Known, at: usize) -> (Vec<Compl
                 all.push(item("t", "t".to_owned(), "time, s", None, Of::CONSTANT));
                 all.push(item("pi", "pi".to_owned(), "3.14159...", None, Of::CONSTANT));
                 all.extend(function_names().map(|name| {
-                    item(name, format!("{name}("), "function", words::function(name), Of::FUNCTION)
+                    item(name, format!("{name}("), "function", descriptions::function(name), Of::FUNCTION)
                 }));
             }
             Form::Unit if quoted => {
                 word = identifier(document.text, word, at);
                 all.extend(
-                    names().map(|name| item(name, name.to_owned(), "unit", words::unit(name), Of::UNIT)),
+                    names()
+                        .map(|name| item(name, name.to_owned(), "unit", descriptions::unit(name), Of::UNIT)),
                 );
             }
             Form::Name(kinds) => {

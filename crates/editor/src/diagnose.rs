@@ -1,8 +1,8 @@
 //! The mistakes of a text as an editor shows them: those of `phisindy check`.
 
+use crate::descriptions::Known;
 use crate::document::Document;
 use crate::position::range;
-use crate::words::Known;
 use lsp_types::{DiagnosticRelatedInformation, DiagnosticSeverity, Location, Range, Uri};
 use phisindy::files::{Purpose, Request, beside, load_text};
 use phisindy_phys::{Diagnostic, Law, Severity, SourceId, Sources, measures, spec};

@@ -1,8 +1,8 @@
 //! What stands at a place, in words: what a field is, the unit of a name, what a function does, what a unit is
 //! in SI.
 
+use crate::descriptions::{self, Known};
 use crate::document::{Document, Place};
-use crate::words::{self, Known};
 use phisindy_expr::Span;
 use phisindy_phys::fields::Form;
 
@@ -26,15 +26,17 @@ pub fn hover(document: &Document<'_>, known: &Known, at: usize) -> Option<(Strin
     let text = &document.text[word.range()];
     let field = wants.groups.iter().find_map(|group| Some((*group, group.field(text)?)));
     if let Some((group, field)) = field {
-        return Some((words::field(group, field), word));
+        return Some((descriptions::field(group, field), word));
     }
     let said = |form: &Form| match form {
-        Form::Unit if quoted => words::unit(text).map(|said| (said, word)),
+        Form::Unit if quoted => descriptions::unit(text).map(|said| (said, word)),
         Form::Expression if quoted => {
             let name = identifier(document.text, word, at);
-            words::name(document, known, &document.text[name.range()]).map(|said| (said, name))
+            descriptions::name(document, known, &document.text[name.range()]).map(|said| (said, name))
         }
-        Form::Declares(_) | Form::Name(_) => words::name(document, known, text).map(|said| (said, word)),
+        Form::Declares(_) | Form::Name(_) => {
+            descriptions::name(document, known, text).map(|said| (said, word))
+        }
         Form::LawId => {
             let law = known.laws.iter().find(|(id, _)| id == text);
             law.map(|(id, about)| (format!("**{id}**: {about}"), word))

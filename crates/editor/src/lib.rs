@@ -9,17 +9,17 @@
 //! The table of fields is that of the reader, and the mistakes are those of `phisindy check`.
 
 mod complete;
+mod descriptions;
 mod diagnose;
 mod document;
 mod hover;
 mod position;
 mod schema;
 mod server;
-mod words;
 
 pub use complete::{Completion, complete};
+pub use descriptions::Known;
 pub use document::{Declared, Document, Place, Wants};
 pub use hover::hover;
 pub use schema::schema;
 pub use server::serve;
-pub use words::Known;

@@ -3,7 +3,7 @@
 //! It is of a spec as serde writes it in JSON: a group and a map are objects, a tuple is an array, and
 //! `Name(...)` is an object with the one field `Name`.
 
-use crate::words::plain;
+use crate::descriptions::plain;
 use phisindy_phys::fields::{Absent, Form, Group};
 use serde_json::{Map, Value, json};
 

@@ -4,11 +4,11 @@
 //! files are, so a thread of its own looks at the newest text of each file.
 
 use crate::complete::complete;
+use crate::descriptions::Known;
 use crate::diagnose::{known, mistakes};
 use crate::document::Document;
 use crate::hover::hover;
 use crate::position::{Lines, byte, range};
-use crate::words::Known;
 use lsp_server::{Connection, ErrorCode, Message, Notification, Request, RequestId, Response};
 use lsp_types::notification::{
     DidChangeTextDocument, DidCloseTextDocument, DidOpenTextDocument, DidSaveTextDocument, Notification as _,

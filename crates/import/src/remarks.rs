@@ -103,10 +103,16 @@ impl Remark {
     /// Whether the user has to check or correct something before a run.
     pub fn needs_edit(&self) -> bool {
         use Remark::{DriveNotRead, MoreTrials, Note, OmittedRows, OtherSheets, StatedRate, TimesNotRead};
-        let said = matches!(self, TimesNotRead { .. } | DriveNotRead { .. });
-        let told =
-            matches!(self, MoreTrials { .. } | OmittedRows { .. } | OtherSheets(_) | Note(_) | StatedRate(_));
-        !(said || told)
+        !matches!(
+            self,
+            DriveNotRead { .. }
+                | MoreTrials { .. }
+                | Note(_)
+                | OmittedRows { .. }
+                | OtherSheets(_)
+                | StatedRate(_)
+                | TimesNotRead { .. }
+        )
     }
 }
 

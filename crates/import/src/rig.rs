@@ -69,8 +69,8 @@ impl Rig {
     pub(crate) fn turns(self) -> Option<bool> {
         match self {
             Rig::Pendulum | Rig::Motor | Rig::RobotJoint => Some(true),
-            Rig::Slider | Rig::QuarterCar => Some(false),
-            Rig::BaseExcited | Rig::Tester | Rig::Free => None,
+            Rig::Slider | Rig::QuarterCar | Rig::Tester => Some(false),
+            Rig::BaseExcited | Rig::Free => None,
         }
     }
 

@@ -222,7 +222,7 @@ impl Guess<'_> {
         if self.rig.is_some() {
             input_doubt = None;
         }
-        self.said_motion(displacement.or(velocities.first().copied()))?;
+        self.said_motion(displacement, velocities.first().copied())?;
         let is_angle = displacement.or(velocities.first().copied()).is_some_and(|k| self.is_angle(k));
         // Beside a displacement a velocity adds nothing: it was usually computed from it, with delay and
         // smoothing.
@@ -351,20 +351,19 @@ impl Guess<'_> {
     }
 
     /// Whether what moves is what moves of the rig that the user says, as far as its unit tells.
-    fn said_motion(&self, moving: Option<usize>) -> Result<(), NoMotion> {
-        let (Some(rig), Some(moving)) = (self.rig, moving) else { return Ok(()) };
-        let tester = rig == Rig::Tester;
-        let what = match (rig.turns(), self.quantity(moving)) {
-            (_, measured)
-                if tester && !matches!(measured, Quantity::Length | Quantity::Unknown | Quantity::Count) =>
-            {
-                "a displacement along a line"
+    fn said_motion(&self, displacement: Option<usize>, velocity: Option<usize>) -> Result<(), NoMotion> {
+        let Some(rig) = self.rig else { return Ok(()) };
+        let lacks = |what| Err(NoMotion::Lacks { rig, what });
+        let measured = displacement.or(velocity).map(|moving| self.quantity(moving));
+        match (rig.turns(), measured) {
+            (Some(true), Some(Quantity::Length | Quantity::Speed)) => lacks("an angle"),
+            (Some(false), Some(Quantity::Angle | Quantity::AngularSpeed)) => {
+                lacks("a displacement along a line")
             }
-            (Some(true), Quantity::Length | Quantity::Speed) => "an angle",
-            (Some(false), Quantity::Angle | Quantity::AngularSpeed) => "a displacement along a line",
-            _ => return Ok(()),
-        };
-        Err(NoMotion::Lacks { rig, what })
+            // What it meets is drawn over the way.
+            _ if rig == Rig::Tester && displacement.is_none() => lacks("a displacement along a line"),
+            _ => Ok(()),
+        }
     }
 
     /// The force or drive as the rig that the user says has it: one that must be there may have any name.

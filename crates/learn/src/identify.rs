@@ -108,6 +108,7 @@ fn by_method(
     };
     contributions(&case.system, records, &mut found);
     remarks(&case.system, &mut found);
+    limit_by_validation(&mut found);
     passivity(&case.system, records, &mut found);
     requirements(case, &mut found);
     Ok(found)
@@ -169,7 +170,10 @@ fn remarks(system: &System, found: &mut Identified) {
     if validate > FINE_NRMSE && validate > WORSE * fit {
         found.warnings.push(Warning::ValidationWorse { fit, validate });
     }
-    // What does not carry over is more than noise.
+}
+
+/// What does not carry over to other records is more than noise.
+fn limit_by_validation(found: &mut Identified) {
     if found.verdict == Verdict::Identified && found.warnings.iter().any(Warning::doubts_validation) {
         found.verdict = Verdict::Named;
     }

@@ -22,7 +22,7 @@ mod units;
 
 /// The outline of a text that may be half typed, for editors.
 pub mod outline {
-    pub use crate::text::raw::half_typed::read;
+    pub use crate::text::raw::error_recovery::read;
     pub use crate::text::raw::{Entry, Node, Shape};
 }
 

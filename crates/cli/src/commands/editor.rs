@@ -7,7 +7,8 @@ use phisindy_phys::fields::{LAW, SPEC};
 
 /// Serves an editor over standard input and output.
 pub(crate) fn serve(options: &Options) -> Result<u8> {
-    phisindy_editor::serve(&options.request()).map_err(|why| anyhow!("the editor has gone: {why}"))?;
+    phisindy_editor::serve(&options.request())
+        .map_err(|why| anyhow!("the talk with the editor broke off: {why}"))?;
     Ok(0)
 }
 

@@ -56,8 +56,7 @@ fn standard_input() -> Result<String, Diagnostic> {
     read.map(|_| text()).map_err(|error| Diagnostic::error(format!("cannot read standard input: {error}")))
 }
 
-/// Replaces a file as a whole. A link leads to it still, and who may read it may do so still: a file with several names,
-/// or of another owner, is written where it is.
+/// Replaces a file as a whole. Links lead to it still, and who may read it may do so still.
 fn replace(path: &Path, text: &str) -> Result<()> {
     let shown = path.display();
     let write = || {
@@ -66,29 +65,31 @@ fn replace(path: &Path, text: &str) -> Result<()> {
         if was.permissions().readonly() {
             return Err(io::ErrorKind::PermissionDenied.into());
         }
-        if is_shared(&file, &was)? {
+        if has_other_names(&was) {
             return fs::write(&file, text);
         }
         write_whole(&file, text.as_bytes())?;
-        fs::set_permissions(&file, was.permissions())
+        give_back(&file, &was)
     };
-    write().with_context(|| format!("cannot write `{shown}`, which is left as it was"))
+    write().with_context(|| format!("cannot write `{shown}`"))
 }
 
-/// Whether a new file in the place of this one would not be the same to others: it has more names, or an owner or a
-/// group that a new file beside it does not get.
-#[cfg(unix)]
-fn is_shared(file: &Path, was: &fs::Metadata) -> io::Result<bool> {
-    use std::os::unix::fs::MetadataExt;
-    let mut beside = file.as_os_str().to_owned();
-    beside.push(".fmt-owner");
-    let new = fs::File::create_new(&beside)?.metadata();
-    fs::remove_file(&beside)?;
-    let new = new?;
-    Ok(was.nlink() > 1 || (was.uid(), was.gid()) != (new.uid(), new.gid()))
+/// Whether hard links lead to a file: a new one in its place would part them.
+fn has_other_names(was: &fs::Metadata) -> bool {
+    #[cfg(unix)]
+    return std::os::unix::fs::MetadataExt::nlink(was) > 1;
+    #[cfg(not(unix))]
+    return false;
 }
 
-#[cfg(not(unix))]
-fn is_shared(_: &Path, _: &fs::Metadata) -> io::Result<bool> {
-    Ok(false)
+/// Gives a new file the rights of the one before, and its owner and group as far as the system allows it.
+fn give_back(file: &Path, was: &fs::Metadata) -> io::Result<()> {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::{MetadataExt, chown};
+        for (owner, group) in [(Some(was.uid()), None), (None, Some(was.gid()))] {
+            let _ = chown(file, owner, group);
+        }
+    }
+    fs::set_permissions(file, was.permissions())
 }

@@ -2,15 +2,20 @@
 //! remainder alike too (E. N. Lorenz, J. Atmos. Sci. 26 (1969) 636-646)? No form is assumed, and what depends on the
 //! past, as hysteresis and play do, counts as well. Noise of any colour and a force in time are not alike there.
 
-use crate::decisions::{ANALOGUE_LAGS, ANALOGUE_POINTS, ANALOGUES};
+use crate::decisions::{ANALOGUE_LAGS, ANALOGUE_POINTS, ANALOGUES, MOSTLY};
+use crate::result::record_fit::RecordFit;
+use phisindy_phys::{Record, System};
 use phisindy_signal::{autocorrelation, standard_deviation};
 use rayon::prelude::*;
 
-/// A record: what moved, column by column, and what is left of it at the same samples.
-pub(crate) struct Remains {
-    pub(crate) motion: Vec<Vec<f64>>,
-    pub(crate) left: Vec<f64>,
+/// What moves in a record, column by column, and in how many samples the fastest of it is no longer like itself.
+struct Motion {
+    columns: Vec<Vec<f64>>,
+    quarter_period: usize,
 }
+
+/// A record beside what is left of one of its columns.
+type Remains<'a> = (&'a Motion, &'a [f64]);
 
 /// A moment of a record.
 struct Point {
@@ -21,15 +26,52 @@ struct Point {
     left: f64,
 }
 
+/// The columns of which most of what free runs leave follows the motion, each with what part of its size that is.
+pub(crate) fn columns_with_remains(
+    system: &System,
+    records: &[Record],
+    fits: &[RecordFit],
+) -> Vec<(usize, f64)> {
+    let motions: Vec<Option<Motion>> = records.iter().zip(fits).map(|of| motion(system, of)).collect();
+    let of = |k: usize| {
+        let with = |r: &usize| records[*r].columns[k].is_some() && motions[*r].is_some();
+        let shown: Vec<usize> = (0..records.len()).filter(with).collect();
+        let all: Vec<Remains<'_>> =
+            shown.iter().filter_map(|&r| Some((motions[r].as_ref()?, &fits[r].residuals[k][..]))).collect();
+        let power = |column: &[f64]| standard_deviation(column).powi(2) * column.len() as f64;
+        let size: f64 = shown.iter().filter_map(|&r| records[r].columns[k].as_deref()).map(power).sum();
+        let left: f64 = all.iter().flat_map(|(_, left)| left.iter()).map(|x| x * x).sum();
+        let follows = of_motion(&all);
+        (follows > MOSTLY).then(|| (k, (follows * left / size).sqrt()))
+    };
+    (0..system.columns()).filter_map(of).collect()
+}
+
+/// The states of a free run and the inputs; none where it failed.
+fn motion(system: &System, (record, fit): (&Record, &RecordFit)) -> Option<Motion> {
+    let run = fit.run.as_ref()?;
+    let states =
+        (0..system.states.len()).map(|s| run.states.iter().skip(s).step_by(run.n).copied().collect());
+    let inputs = (0..record.inputs.len()).map(|u| record.input_samples(u).into_owned());
+    Some(Motion::new(states.chain(inputs).collect()))
+}
+
+impl Motion {
+    fn new(columns: Vec<Vec<f64>>) -> Motion {
+        let of = |column: &Vec<f64>| autocorrelation(column).iter().position(|c| *c <= 0.0);
+        let quarter_period = columns.iter().filter_map(of).min().unwrap_or(1).max(1);
+        Motion { columns, quarter_period }
+    }
+}
+
 /// The part of the variance of the remainder that follows the motion: what the analogues of each moment foretell, over
 /// the half of the moments that have the nearest ones. Chance foretells nothing.
-pub(crate) fn of_motion(records: &[Remains]) -> f64 {
+fn of_motion(records: &[Remains<'_>]) -> f64 {
     let points = points(records);
-    let lags: Vec<usize> = records.iter().map(|of| quarter_period(&of.motion)).collect();
     let mut forecasts: Vec<(f64, f64, f64)> = points
         .par_iter()
         .map(|point| {
-            let (distance, foretold) = foretold(point, &points, lags[point.record]);
+            let (distance, foretold) = foretold(point, &points, records[point.record].0.quarter_period);
             (distance, point.left.powi(2), (point.left - foretold).powi(2))
         })
         .collect();
@@ -58,35 +100,29 @@ fn foretold(point: &Point, all: &[Point], lag: usize) -> (f64, f64) {
     (sum.0 / ANALOGUES as f64, sum.1 / ANALOGUES as f64)
 }
 
-fn points(records: &[Remains]) -> Vec<Point> {
-    let samples: usize = records.iter().map(|of| of.left.len()).sum();
-    let mean = records.iter().flat_map(|of| &of.left).sum::<f64>() / samples.max(1) as f64;
+fn points(records: &[Remains<'_>]) -> Vec<Point> {
+    let samples: usize = records.iter().map(|(_, left)| left.len()).sum();
+    let mean = records.iter().flat_map(|(_, left)| left.iter()).sum::<f64>() / samples.max(1) as f64;
     let step = samples.div_ceil(ANALOGUE_POINTS).max(1);
-    let columns = records.first().map_or(0, |of| of.motion.len());
+    let columns = records.first().map_or(0, |(motion, _)| motion.columns.len());
     let size = |k: usize| {
-        let all: Vec<f64> = records.iter().flat_map(|of| of.motion[k].iter().copied()).collect();
-        standard_deviation(&all)
+        let all = records.iter().flat_map(|(motion, _)| motion.columns[k].iter().copied());
+        standard_deviation(&all.collect::<Vec<f64>>())
     };
     let sizes: Vec<f64> = (0..columns).map(size).collect();
     let moving: Vec<usize> = (0..columns).filter(|&k| sizes[k] > 0.0).collect();
-    let of = |(record, of): (usize, &Remains)| -> Vec<Point> {
-        let lag = quarter_period(&of.motion);
+    let of = |(record, &(motion, left)): (usize, &Remains<'_>)| -> Vec<Point> {
+        let lag = motion.quarter_period;
         let history = |sample: usize| {
             let back = (0..ANALOGUE_LAGS).map(move |l| sample - l * lag);
             back.flat_map(|at| moving.iter().map(move |&k| (k, at)))
-                .map(|(k, at)| of.motion[k][at] / sizes[k])
+                .map(|(k, at)| motion.columns[k][at] / sizes[k])
                 .collect()
         };
-        let point = |sample| Point { record, sample, history: history(sample), left: of.left[sample] - mean };
-        ((ANALOGUE_LAGS - 1) * lag..of.left.len()).step_by(step).map(point).collect()
+        let point = |sample| Point { record, sample, history: history(sample), left: left[sample] - mean };
+        ((ANALOGUE_LAGS - 1) * lag..left.len()).step_by(step).map(point).collect()
     };
     records.iter().enumerate().flat_map(of).collect()
-}
-
-/// The shortest time in which a column of the motion is no longer like itself, in samples.
-fn quarter_period(motion: &[Vec<f64>]) -> usize {
-    let of = |column: &Vec<f64>| autocorrelation(column).iter().position(|c| *c <= 0.0);
-    motion.iter().filter_map(of).min().unwrap_or(1).max(1)
 }
 
 #[cfg(test)]
@@ -98,8 +134,8 @@ mod tests {
         let time = (0..3000).map(|i| 0.02 * f64::from(i));
         let (x, v): (Vec<f64>, Vec<f64>) =
             time.map(|t| (t.sin() + 0.5 * (2.6 * t).cos(), t.cos() - 1.3 * (2.6 * t).sin())).unzip();
-        let left = x.iter().copied().zip(v.iter().copied()).enumerate().map(left).collect();
-        of_motion(&[Remains { motion: vec![x, v], left }])
+        let left: Vec<f64> = x.iter().copied().zip(v.iter().copied()).enumerate().map(left).collect();
+        of_motion(&[(&Motion::new(vec![x, v]), &left)])
     }
 
     #[test]

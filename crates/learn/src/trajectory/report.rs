@@ -1,8 +1,7 @@
 //! A fit as a result: terms and parameters with error bars, warnings, free runs, a verdict.
 
 use crate::decisions::{
-    CHANCE_OF_NOISE, COLOURED_PART, COMPLETE, LAW_MISSING, MOSTLY, OTHER_MACHINE, PROFILED_TERMS, RARE,
-    WORST_NRMSE,
+    CHANCE_OF_NOISE, COLOURED_PART, COMPLETE, LAW_MISSING, OTHER_MACHINE, PROFILED_TERMS, RARE, WORST_NRMSE,
 };
 use crate::differentiator_dependence::{Number, dependence};
 use crate::input_noise::{self, InputNoiseEffect};
@@ -17,7 +16,7 @@ use crate::result::verdict::{Contradiction, FitFailure, Rejection, Verdict, verd
 use crate::result::warning::Chaos;
 use crate::result::warning::{Warning, at_bounds, sensitive_starts};
 use crate::trajectory::agreement::{Agreement, disagreements};
-use crate::trajectory::analogues::{Remains, of_motion};
+use crate::trajectory::analogues::columns_with_remains;
 use crate::trajectory::contradiction::contradiction;
 use crate::trajectory::elasticities::elasticities;
 use crate::trajectory::error_bars::ErrorBars;
@@ -33,7 +32,7 @@ use crate::trajectory::validated_chain::ValidatedChain;
 use crate::trajectory::worth_of_laws::against_laws;
 use phisindy_phys::spec::Method;
 use phisindy_phys::{Case, Note, Record, System};
-use phisindy_signal::{Differentiator, standard_deviation};
+use phisindy_signal::Differentiator;
 use rayon::prelude::*;
 
 /// The result of a fit to the Fit records of `records`. `filled` are the records with smoothed samples of
@@ -179,29 +178,8 @@ fn with_force(
 /// What a verdict that holds says where more than noise is left. Noise of any colour leaves it as it is. What mostly
 /// follows the motion is a force: of an output it is there to be seen, and a large one is a law that is missing.
 fn with_remains(held: Verdict, system: &System, records: &[Record], fits: &[RecordFit]) -> Verdict {
-    let states = system.states.len();
-    let of = |k: usize| -> Option<(usize, f64)> {
-        let with = |r: &usize| records[*r].columns[k].is_some() && fits[*r].run.is_some();
-        let shown: Vec<usize> = (0..records.len()).filter(with).collect();
-        let remains = |&r: &usize| {
-            let run = fits[r].run.iter().flat_map(|run| {
-                (0..states).map(|s| run.states.iter().skip(s).step_by(run.n).copied().collect())
-            });
-            let inputs = (0..records[r].inputs.len()).map(|u| records[r].input_samples(u).into_owned());
-            Remains { motion: run.chain(inputs).collect(), left: fits[r].residuals[k].clone() }
-        };
-        let all: Vec<Remains> = shown.iter().map(remains).collect();
-        let follows = of_motion(&all);
-        let left: f64 = all.iter().flat_map(|of| &of.left).map(|x| x * x).sum();
-        let size = |&r: &usize| {
-            let column = records[r].columns[k].as_deref().unwrap_or(&[]);
-            standard_deviation(column).powi(2) * column.len() as f64
-        };
-        let size: f64 = shown.iter().map(size).sum();
-        (follows > MOSTLY).then(|| (k, (follows * left / size).sqrt()))
-    };
-    let all: Vec<(usize, f64)> = (0..system.columns()).filter_map(of).collect();
-    let outputs = all.iter().filter(|(k, share)| *k >= states && *share > LAW_MISSING);
+    let all = columns_with_remains(system, records, fits);
+    let outputs = all.iter().filter(|(k, share)| *k >= system.states.len() && *share > LAW_MISSING);
     match outputs.max_by(|a, b| a.1.total_cmp(&b.1)) {
         Some(&(k, share)) => {
             let shows = |r: &&Record| r.columns[k].is_some();

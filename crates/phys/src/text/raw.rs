@@ -3,7 +3,7 @@
 //! ron stops at the first mistake and does not say where a value stands; a spec needs all mistakes with their
 //! places, and a splice needs to change one value and leave everything else, comments too, as it is.
 
-pub(crate) mod half_typed;
+pub(crate) mod error_recovery;
 mod mistake;
 mod scan;
 

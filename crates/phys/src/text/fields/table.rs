@@ -35,6 +35,33 @@ const INTERPOLATION: Form = One(&[Word("Linear"), Word("Hold"), Word("Cubic")]);
 const DIFFERENTIATOR: Form = One(&[Word("Spectral"), Word("SavitzkyGolay"), Word("Spline")]);
 const DERIVE: Form = One(&[Call("Derivative", &[INPUT]), Call("Derivative", &[INPUT, DIFFERENTIATOR])]);
 
+macro_rules! rows {
+    ($($name:ident = $row:expr;)*) => { $(const $name: Field = $row;)* };
+}
+
+// Rows that several groups have.
+rows! {
+    EACH_ROW = Field("each", Truth, "`true`: a value of its own in each record", Is("`false`: one value for all records"));
+    PATH_ROW = Field("path", File, "the file, in the data folder", Without("streams"));
+    NAME_ROW = Field("name", Prose, "what the record is called", Is("the name of the file"));
+    TIME_ROW = Field("time", TIME, "the column of time, `\"t\"` or `(\"t\", \"ms\")`; or `Rate(1000.0)`, rows per second. Times of day (`2024-05-17T10:32:07.125Z`, `17.05.2024 10:32:07,125`, `10:32:07.125`) are seconds from the first row of the file", Without("streams"));
+    COLUMNS_ROW = Field("columns", Map(&MEASURED, &COLUMN), "map of states, outputs and inputs to columns, `\"x\"` or `(\"x_mm\", \"mm\")`; leave it out, with `path` and `time`, if `streams` has every column", Without("streams"));
+    DERIVE_ROW = Field("derive", Map(&INPUT, &DERIVE), "inputs that are computed: `{ \"du\": Derivative(\"u\") }`, `Derivative(\"u\", Spline)` (or `Spectral`, `SavitzkyGolay`)", Is("none"));
+    SENSORS_ROW = Field("sensors", Map(&MEASURED, &Group(&SENSOR)), "map of columns to [sensors](#a-sensor)", Is("perfect ones"));
+    ROWS_ROW = Field("rows", Map(&Header, &Number), "only rows where these columns have these values: `{ \"trial\": 0.0 }`", Is("all"));
+    START_ROW = Field("start", Map(&STATE, &Number), "start states that are given", Is("fitted"));
+    ROLE_ROW = Field("role", ROLE, "`Fit` or `Validate`", Is("`Fit`"));
+    RUN_ROW = Field("run", Whole, "which of the runs that follow each other in the file, from 0: a new one begins where time goes back", Is("the file is one run"));
+    INTERPOLATE_ROW = Field("interpolate", Map(&INPUT, &INTERPOLATION), "how inputs go between samples: `{ \"u\": Linear }`, `Hold`, `Cubic`", Is("`Cubic`"));
+    CONSTANTS_ROW = Field("constants", CONSTANTS, "constants of this record, such as its load", Is("those of the spec"));
+    DECIMATE_ROW = Field("decimate", Whole, "the mean of each so many rows in place of them", Is("1"));
+    MISSING_ROW = Field("missing", One(&[Word("Omit"), Word("Refuse")]), "`Omit` leaves out the rows in which one of the columns has no value (an empty cell, `NaN`, `n/a`, `-`); `Refuse` takes them for a mistake", Is("`Refuse`"));
+    DETREND_ROW = Field("detrend", Map(&MEASURED, &One(&[Word("Mean"), Word("Linear")])), "what is taken off a column: `{ \"x\": Mean }`, `Linear`", Is("nothing"));
+    DERIVE_SHORT_ROW = Field("derive", Map(&INPUT, &DERIVE), "inputs that are computed", Is("none"));
+    INTERPOLATE_SHORT_ROW = Field("interpolate", Map(&INPUT, &INTERPOLATION), "how inputs go between samples", Is("`Cubic`"));
+    CONSTANTS_SHORT_ROW = Field("constants", CONSTANTS, "constants of this record", Is("those of the spec"));
+}
+
 macro_rules! group {
     ($name:ident = $owner:literal, $variant:expr; $($field:expr,)*) => {
         #[doc = concat!("The fields of ", $owner, ".")]
@@ -89,7 +116,7 @@ group! { MOVABLE = "a movable constant", None;
     Field("unit", Unit, "its unit", Is("whatever fits")),
     Field("within", BOUNDS, "lower and upper bound", Without("sigma")),
     Field("sigma", Number, "standard deviation of your prior belief about it, around `value`; with it `within` may be left out", Is("no prior belief")),
-    Field("each", Truth, "`true`: a value of its own in each record", Is("`false`: one value for all records")),
+    EACH_ROW,
 }
 
 group! { FIND = "`Find`", Some("Find");
@@ -97,69 +124,69 @@ group! { FIND = "`Find`", Some("Find");
     Field("unit", Unit, "its unit", Is("whatever fits")),
     Field("within", BOUNDS, "lower and upper bound", Without("sigma")),
     Field("sigma", Number, "standard deviation of your prior belief about it, around `start`; with it `within` may be left out", Is("no prior belief")),
-    Field("each", Truth, "`true`: a value of its own in each record", Is("`false`: one value for all records")),
+    EACH_ROW,
 }
 
 group! { UNKNOWN = "an unknown part", None;
     Field("factor", Expression, "what every candidate is multiplied by, such as `\"-sgn(v)/m\"`", Is("1")),
-    Field("candidates", List(&Expression), "expressions, each with a coefficient to be found", Is("none: then `laws` or `search` is needed")),
+    Field("candidates", List(&Expression), "expressions, each with a coefficient to be found", Is("none. Then give `laws` or `search`")),
     Field("within", Map(&Expression, &One(&[Word("Positive"), Word("Negative"), BOUNDS])), "bounds of the coefficients of some candidates: `Positive`, `Negative`, `(0.0, 5.0)`", Is("any value")),
     Field("laws", List(&LawId), "names of laws of the catalogue, `[\"stribeck\"]`, outside of the factor and with a sign of their own: `run` fits their parameters, `gap` tries all laws anyway", Is("none")),
     Field("search", List(&Expression), "in place of candidates: displacement and velocity of the body, or of one body against another (`[\"x\", \"v\"]`, `[\"v\"]`, `[\"x1 - x2\"]`), in which `run` looks for a formula and fits it", Is("none")),
 }
 
 group! { CSV = "`Csv`", Some("Csv");
-    Field("path", File, "the file, in the data folder", Without("streams")),
-    Field("name", Prose, "what the record is called", Is("the name of the file")),
-    Field("time", TIME, "the column of time, `\"t\"` or `(\"t\", \"ms\")`; or `Rate(1000.0)`, rows per second. Times of day (`2024-05-17T10:32:07.125Z`, `17.05.2024 10:32:07,125`, `10:32:07.125`) are seconds from the first row of the file", Without("streams")),
-    Field("columns", Map(&MEASURED, &COLUMN), "map of states, outputs and inputs to columns, `\"x\"` or `(\"x_mm\", \"mm\")`; left out, as `path` and `time`, where `streams` says it all", Without("streams")),
+    PATH_ROW,
+    NAME_ROW,
+    TIME_ROW,
+    COLUMNS_ROW,
     Field("streams", Map(&MEASURED, &Group(&CSV_STREAM)), "map of states, outputs and inputs to [streams](#a-stream), columns that have times of their own", Is("none")),
-    Field("derive", Map(&INPUT, &DERIVE), "inputs that are computed: `{ \"du\": Derivative(\"u\") }`, `Derivative(\"u\", Spline)` (or `Spectral`, `SavitzkyGolay`)", Is("none")),
-    Field("sensors", Map(&MEASURED, &Group(&SENSOR)), "map of columns to [sensors](#a-sensor)", Is("perfect ones")),
-    Field("rows", Map(&Header, &Number), "only rows where these columns have these values: `{ \"trial\": 0.0 }`", Is("all")),
+    DERIVE_ROW,
+    SENSORS_ROW,
+    ROWS_ROW,
     Field("window", BOUNDS, "only rows between these times, in seconds whatever the unit of the column; it cuts what is compared, not what drives: inputs are read before it too, as far as there are, for a sensor may be late", Is("all")),
-    Field("start", Map(&STATE, &Number), "start states that are given", Is("fitted")),
-    Field("role", ROLE, "`Fit` or `Validate`", Is("`Fit`")),
+    START_ROW,
+    ROLE_ROW,
     Field("separator", Character, "character between fields", Is("found out")),
     Field("decimal", Character, "decimal mark", Is("found out")),
     Field("header", Truth, "whether there is a heading; one behind a comment sign (`#`, `%`, `//`, `!`, `;`) is read too, as `numpy.savetxt` writes it, with units in a second line or without", Is("found out")),
     Field("skip", Whole, "lines before the heading", Is("0")),
-    Field("run", Whole, "which of the runs that follow each other in the file, from 0: a new one begins where time goes back", Is("the file is one run")),
-    Field("interpolate", Map(&INPUT, &INTERPOLATION), "how inputs go between samples: `{ \"u\": Linear }`, `Hold`, `Cubic`", Is("`Cubic`")),
-    Field("constants", CONSTANTS, "constants of this record, such as its load", Is("those of the spec")),
-    Field("decimate", Whole, "the mean of each so many rows in place of them", Is("1")),
-    Field("missing", One(&[Word("Omit"), Word("Refuse")]), "`Omit` leaves out the rows in which one of the columns has no value (an empty cell, `NaN`, `n/a`, `-`); `Refuse` takes them for a mistake", Is("`Refuse`")),
-    Field("detrend", Map(&MEASURED, &One(&[Word("Mean"), Word("Linear")])), "what is taken off a column: `{ \"x\": Mean }`, `Linear`", Is("nothing")),
+    RUN_ROW,
+    INTERPOLATE_ROW,
+    CONSTANTS_ROW,
+    DECIMATE_ROW,
+    MISSING_ROW,
+    DETREND_ROW,
 }
 
 group! { TABLE = "`Table`", Some("Table");
-    Field("path", File, "the file, in the data folder", Without("streams")),
+    PATH_ROW,
     Field("sheet", Prose, "the sheet of a workbook; or the structure, matrix, array or group of a file that holds several. It may be left out where one alone holds numbers", Is("the one that holds numbers")),
-    Field("name", Prose, "what the record is called", Is("the name of the file")),
-    Field("time", TIME, "the column of time, `\"t\"` or `(\"t\", \"ms\")`; or `Rate(1000.0)`, rows per second. Times of day (`2024-05-17T10:32:07.125Z`, `17.05.2024 10:32:07,125`, `10:32:07.125`) are seconds from the first row of the file", Without("streams")),
-    Field("columns", Map(&MEASURED, &COLUMN), "map of states, outputs and inputs to columns, `\"x\"` or `(\"x_mm\", \"mm\")`; left out, as `path` and `time`, where `streams` says it all", Without("streams")),
+    NAME_ROW,
+    TIME_ROW,
+    COLUMNS_ROW,
     Field("streams", Map(&MEASURED, &Group(&STREAM)), "map of states, outputs and inputs to [streams](#a-stream), columns that have times of their own", Is("none")),
-    Field("derive", Map(&INPUT, &DERIVE), "inputs that are computed: `{ \"du\": Derivative(\"u\") }`, `Derivative(\"u\", Spline)` (or `Spectral`, `SavitzkyGolay`)", Is("none")),
-    Field("sensors", Map(&MEASURED, &Group(&SENSOR)), "map of columns to [sensors](#a-sensor)", Is("perfect ones")),
-    Field("rows", Map(&Header, &Number), "only rows where these columns have these values: `{ \"trial\": 0.0 }`", Is("all")),
+    DERIVE_ROW,
+    SENSORS_ROW,
+    ROWS_ROW,
     Field("window", BOUNDS, "as in `Csv`", Is("all")),
-    Field("start", Map(&STATE, &Number), "start states that are given", Is("fitted")),
-    Field("role", ROLE, "`Fit` or `Validate`", Is("`Fit`")),
+    START_ROW,
+    ROLE_ROW,
     Field("separator", Character, "of text: character between fields", Is("found out")),
     Field("decimal", Character, "of text: decimal mark", Is("found out")),
     Field("header", Truth, "whether there is a heading", Is("found out")),
     Field("skip", Whole, "of a workbook, rows before the heading", Is("0")),
-    Field("run", Whole, "which of the runs that follow each other in the file, from 0: a new one begins where time goes back", Is("the file is one run")),
-    Field("interpolate", Map(&INPUT, &INTERPOLATION), "how inputs go between samples: `{ \"u\": Linear }`, `Hold`, `Cubic`", Is("`Cubic`")),
-    Field("constants", CONSTANTS, "constants of this record, such as its load", Is("those of the spec")),
-    Field("decimate", Whole, "the mean of each so many rows in place of them", Is("1")),
-    Field("missing", One(&[Word("Omit"), Word("Refuse")]), "`Omit` leaves out the rows in which one of the columns has no value (an empty cell, `NaN`, `n/a`, `-`); `Refuse` takes them for a mistake", Is("`Refuse`")),
-    Field("detrend", Map(&MEASURED, &One(&[Word("Mean"), Word("Linear")])), "what is taken off a column: `{ \"x\": Mean }`, `Linear`", Is("nothing")),
+    RUN_ROW,
+    INTERPOLATE_ROW,
+    CONSTANTS_ROW,
+    DECIMATE_ROW,
+    MISSING_ROW,
+    DETREND_ROW,
 }
 
 group! { STREAM = "a stream", None;
     Field("column", COLUMN, "the column, `\"x\"` or `(\"x_mm\", \"mm\")`; where its cell is empty there is no sample", Needed),
-    Field("path", File, "the file; how one of its own is read (separator, heading) is found out, and `rows` and `run` are not asked of it", Is("that of the record")),
+    Field("path", File, "the file of this stream. Its separator and heading are found out; `rows` and `run` do not apply to it", Is("that of the record")),
     Field("time", TIME, "as in `Csv`", Is("that of the record")),
     Field("per", PER, "as of [a sensor](#a-sensor)", Is("none")),
     Field("unwrap", TURN, "as of a sensor", Is("it does not")),
@@ -171,12 +198,12 @@ group! { STREAM = "a stream", None;
 group! { ARRAYS = "`Arrays`", Some("Arrays");
     Field("name", Prose, "what the record is called", Is("`record`")),
     Field("columns", List(&MEASURED), "list of the states, outputs and inputs that have a column: `[\"x\", \"F\"]`", Needed),
-    Field("derive", Map(&INPUT, &DERIVE), "inputs that are computed", Is("none")),
-    Field("sensors", Map(&MEASURED, &Group(&SENSOR)), "map of columns to [sensors](#a-sensor)", Is("perfect ones")),
-    Field("start", Map(&STATE, &Number), "start states that are given", Is("fitted")),
-    Field("role", ROLE, "`Fit` or `Validate`", Is("`Fit`")),
-    Field("interpolate", Map(&INPUT, &INTERPOLATION), "how inputs go between samples", Is("`Cubic`")),
-    Field("constants", CONSTANTS, "constants of this record", Is("those of the spec")),
+    DERIVE_SHORT_ROW,
+    SENSORS_ROW,
+    START_ROW,
+    ROLE_ROW,
+    INTERPOLATE_SHORT_ROW,
+    CONSTANTS_SHORT_ROW,
 }
 
 group! { SYNTHETIC = "`Synthetic`", Some("Synthetic");
@@ -188,20 +215,20 @@ group! { SYNTHETIC = "`Synthetic`", Some("Synthetic");
     Field("noise", One(&[Word("None"), Call("Relative", &[Number]), Call("Additive", &[Number]), Call("Sensor", &[Map(&MEASURED, &QUANTITY)])]), "`None`, `Relative(0.1)`, `Additive(0.02)` of each column's standard deviation, `Sensor({ \"x\": (1e-6, \"m\") })`", Is("`None`")),
     Field("seed", Whole, "drives noise and random phases", Is("0")),
     Field("inputs", Map(&INPUT, &One(&[Call("Formula", &[Expression]), Group(&JONSWAP), Group(&MULTISINE), Group(&FILE)])), "map of inputs to `Formula(\"A*cos(W*t)\")`, [`Jonswap(...)`](#jonswap), [`Multisine(...)`](#multisine), [`File(...)`](#file)", Is("needed for each input")),
-    Field("derive", Map(&INPUT, &DERIVE), "inputs that are computed", Is("none")),
-    Field("sensors", Map(&MEASURED, &Group(&SENSOR)), "map of columns to [sensors](#a-sensor)", Is("perfect ones")),
+    DERIVE_SHORT_ROW,
+    SENSORS_ROW,
     Field("measure", List(&MEASURED), "what is recorded", Is("all outputs, or all states where there are none")),
     Field("window", BOUNDS, "only samples between these times", Is("all")),
-    Field("role", ROLE, "`Fit` or `Validate`", Is("`Fit`")),
-    Field("interpolate", Map(&INPUT, &INTERPOLATION), "how inputs go between samples", Is("`Cubic`")),
-    Field("constants", CONSTANTS, "constants of this record", Is("those of the spec")),
+    ROLE_ROW,
+    INTERPOLATE_SHORT_ROW,
+    CONSTANTS_SHORT_ROW,
 }
 
 group! { SENSOR = "a sensor", None;
     Field("offset", SENSOR_VALUE, "zero error", Is("0")),
     Field("gain", SENSOR_VALUE, "scale error", Is("1")),
     Field("delay", SENSOR_VALUE, "lateness", Is("0")),
-    Field("clock", SENSOR_VALUE, "by which part of itself a second of the sensor's clock is too short: `50e-6` where 50 us more pass in each", Is("0")),
+    Field("clock", SENSOR_VALUE, "drift of the sensor's clock: `50e-6` if it loses 50 us in a second", Is("0")),
     Field("quantum", QUANTITY, "the step of the column, in SI or as `(0.1, \"mm\")`: no value is known better than `step/sqrt(12)`", Is("seen from the data")),
     Field("per", PER, "of a column of counts, how many make a unit: `(\"rev\", 4096)`, `(\"mm\", 200)`; the same as the unit `\"rev/4096\"`", Is("none")),
     Field("unwrap", TURN, "after how much the column begins anew, in SI: `\"2*pi\"`. Turns are counted from the first row that is read", Is("it does not")),
@@ -274,14 +301,14 @@ group! { PARAMETER = "a parameter of a law", None;
     Field("unit", Unit, "its unit where positions are in metres and forces in newtons", Needed),
     Field("within", BOUNDS, "lower and upper bound", Needed),
     Field("each", Truth, "`true`: a value of its own in each record", Is("`false`")),
-    Field("whole", Truth, "`true`: the bounds are the whole range of the number, such as an angle over a turn; a value at a bound speaks against nothing", Is("`false`")),
+    Field("whole", Truth, "`true` if the bounds are the whole range, such as one turn of an angle. A value at a bound is then no sign of a wrong law", Is("`false`")),
 }
 
 group! { INTERNAL = "an internal state", None;
     Field("unit", Unit, "its unit", Needed),
     Field("rate", Expression, "its rate of change", Needed),
     Field("start", Number, "where it starts", Needed),
-    Field("inertia", Expression, "of the speed of a body that the law brings along: its mass, an expression of the parameters. Further laws may act between it and the place", Is("")),
+    Field("inertia", Expression, "only for the speed of a body that the law adds: the mass of that body, an expression of the parameters. Other laws may then act between this body and the place", Is("")),
 }
 
 group! { NEED = "`needs`", None;
