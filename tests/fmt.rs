@@ -70,4 +70,10 @@ fn a_link_stays_one_and_rights_stay() {
     assert!(std::fs::symlink_metadata(&link).expect("it").is_symlink());
     assert_eq!(std::fs::read_to_string(&file).expect("a file"), ORDERED);
     assert_eq!(std::fs::metadata(&file).expect("it").permissions().mode() & 0o777, 0o640);
+    // A hard link is the file under another name.
+    let twin = scratch.path("twin.ron");
+    std::fs::write(&file, UNORDERED).expect("a file");
+    std::fs::hard_link(&file, &twin).expect("a link");
+    assert_eq!(phisindy(&["fmt", &twin]).code, 0);
+    assert_eq!(std::fs::read_to_string(&file).expect("a file"), ORDERED);
 }

@@ -1,7 +1,9 @@
 //! Data and models that do not suit each other: no panic, no hang, never a confident wrong number.
 
 use crate::common;
-use phisindy_learn::{Effort, Identified, LearnError, LearnOptions, Verdict, calibrate, identify, smoothed};
+use phisindy_learn::{
+    Effort, Identified, LearnError, LearnOptions, Rejection, Verdict, Warning, calibrate, identify, smoothed,
+};
 use phisindy_phys::spec::Method;
 use phisindy_phys::{Case, Record, SensorParameter};
 use std::ops::ControlFlow;
@@ -539,4 +541,40 @@ fn a_fit_that_failed_is_not_told_as_identifiability() {
         w.contains("do not tell") || w.contains("say nothing") || w.contains("trade off")
     };
     assert!(!found.warnings.iter().any(about), "{:?}", found.warnings);
+}
+
+/// What a prescribed motion meets: a spring, a damper, and `lacks`.
+fn tester(lacks: &str) -> (Case, Vec<Record>) {
+    common::load_text(
+        &r#"(constants: { "k": (value: 900.0, unit: "N/m", within: (0.0, 1e5)), "c": (value: 20.0, unit: "N*s/m", within: (0.0, 1e4)) },
+            states: {}, inputs: { "x": "m", "dx": "m/s" }, outputs: { "F": (unit: "N", reads: "k*x + c*dx") },
+            known: {}, unknown: {},
+            data: [Synthetic(truth: { "F": "LACKS" }, start: {}, duration: 40.0, step: 0.02, seed: 5,
+                inputs: { "x": Formula("0.01*sin(3*t) + 0.004*cos(7.3*t)") }, derive: { "dx": Derivative("x") },
+                noise: Sensor({ "F": (0.02, "N") }))])"#
+            .replace("LACKS", lacks),
+        &[],
+    )
+}
+
+/// What is left of an output and follows the motion is a law that the model lacks, whatever the intervals say; noise of
+/// the same size and colour is noise.
+#[test]
+fn a_law_that_an_output_shows_is_missing_and_coloured_noise_is_none() {
+    let (case, records) = tester("4*sgn(dx)");
+    let found = run(&case, &records).unwrap();
+    let Verdict::Rejected(Rejection::LawMissing { of, output: true, share, .. }) = &found.verdict else {
+        panic!("{:?}", found.verdict)
+    };
+    assert!(of == "F" && *share > 0.1, "{of} {share}");
+    let (case, mut records) = tester("0");
+    let mut left = 0.0;
+    let noise = phisindy_signal::test_signals::gaussian(records[0].len(), 11);
+    for (force, drawn) in records[0].columns[0].as_mut().unwrap().iter_mut().zip(noise) {
+        left = 0.9 * left + 0.7 * drawn;
+        *force += left;
+    }
+    let found = run(&case, &records).unwrap();
+    assert_eq!(found.verdict, Verdict::Identified, "{:?}", found.warnings);
+    assert!(found.warnings.iter().any(Warning::doubts_residual), "{:?}", found.warnings);
 }

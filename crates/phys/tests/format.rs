@@ -176,3 +176,15 @@ proptest! {
         }
     }
 }
+
+/// Two comments behind the last entry stand apart at once, and a text that would be too long to be read stays as it is.
+#[test]
+fn comments_stand_apart_and_what_grows_too_long_is_refused() {
+    let text = "(a: { \"x\": \"y\", /*x*//*y*/ }, b: 1)";
+    let once = format(text, SourceId(0)).expect("RON");
+    assert!(once.contains("/*x*/ /*y*/"), "{once}");
+    assert_eq!(format(&once, SourceId(0)).expect("RON"), once);
+    let deep = std::format!("{}1,\n{}", "[".repeat(62), "]".repeat(62));
+    let long = format(&std::format!("[{}]", vec![deep; 600].join(",")), SourceId(0));
+    assert!(long.is_err_and(|mistake| mistake.message.contains("longer than 1 MiB")));
+}
