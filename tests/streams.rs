@@ -15,21 +15,27 @@ fn push(t: f64) -> f64 {
     4.0 * (TAU * 0.9 * t).sin() + 9.0 * (TAU * 13.0 * t).sin()
 }
 
-/// Places of 1.5 kg on 50 N/m with friction at each of these times, by steps of 10 us in which friction takes what it can
-/// of the speed (J. J. Moreau, Unilateral contact and dry friction in finite freedom dynamics, 1988).
+/// Places of 1.5 kg on 50 N/m with friction at each of these times.
 fn places(times: &[f64]) -> Vec<f64> {
+    motion(times).into_iter().map(|(x, _)| x).collect()
+}
+
+/// Places and accelerations there, by steps of 10 us in which friction takes what it can of the speed (J. J. Moreau,
+/// Unilateral contact and dry friction in finite freedom dynamics, 1988).
+fn motion(times: &[f64]) -> Vec<(f64, f64)> {
     let (h, m, k, c) = (1e-5, 1.5, 50.0, 0.5);
-    let [mut x, mut v, mut now] = [0.0_f64; 3];
+    let [mut x, mut v, mut a, mut now] = [0.0_f64; 4];
     let mut all = vec![];
     for &t in times {
         while now + h <= t {
             let free = v + h * (push(now) - k * x - c * v) / m;
             let most = h * FRICTION / m;
-            v = free - free.clamp(-most, most);
+            let after = free - free.clamp(-most, most);
+            (a, v) = ((after - v) / h, after);
             x += h * v;
             now += h;
         }
-        all.push(x + (t - now) * v);
+        all.push((x + (t - now) * v, a));
     }
     all
 }
@@ -39,13 +45,16 @@ fn times(rate: f64, seconds: f64) -> Vec<f64> {
     (0..(rate * seconds) as usize).map(|k| k as f64 / rate).collect()
 }
 
+/// The noise of a good camera (m).
+const FINE: f64 = 2e-5;
+
 /// A camera at 30 Hz that stamps a frame late and by a clock that runs fast: `t_ms`, `x_mm`.
-fn camera(seconds: f64, late: f64, drift: f64, dice: &mut Dice) -> String {
+fn camera(seconds: f64, (late, drift): (f64, f64), noise: f64, dice: &mut Dice) -> String {
     let stamps = times(30.0, seconds);
     let seen: Vec<f64> = stamps.iter().map(|t| t + drift * t - late).collect();
     let mut text = "t_ms,x_mm\n".to_owned();
     for (t, x) in stamps.iter().zip(places(&seen)) {
-        let _ = writeln!(text, "{},{}", 1e3 * t, 1e3 * (x + 2e-5 * dice.normal()));
+        let _ = writeln!(text, "{},{}", 1e3 * t, 1e3 * (x + noise * dice.normal()));
     }
     text
 }
@@ -96,7 +105,7 @@ fn friction(said: &Outcome) -> (f64, f64) {
 #[test]
 fn each_stream_has_its_own_times() {
     let mut dice = Dice::new(1);
-    let files = [("camera.csv", &*camera(12.0, 0.0, 0.0, &mut dice)), ("cell.csv", &*cell(12.0))];
+    let files = [("camera.csv", &*camera(12.0, (0.0, 0.0), FINE, &mut dice)), ("cell.csv", &*cell(12.0))];
     let said = run("run", "streams", &format!("Csv(streams: {{ {CAMERA}, {CELL} }})"), &files);
     let (found, error) = friction(&said);
     assert!((found - FRICTION).abs() < 4.0 * error && error < 0.005, "{found} +- {error}\n{}", said.err);
@@ -104,6 +113,49 @@ fn each_stream_has_its_own_times() {
     let of_camera = "Csv(path: \"camera.csv\", time: (\"t_ms\", \"ms\"), columns: { \"x\": (\"x_mm\", \"mm\") }, streams: { CELL })";
     let again = run("run", "streams-rows", &of_camera.replace("CELL", CELL), &files);
     assert_eq!(friction(&again), (found, error), "{}", again.err);
+}
+
+/// An accelerometer at 1 kHz, whose samples lie beside the frames of a camera: `t_s`, `a`.
+fn accelerometer(seconds: f64, dice: &mut Dice) -> String {
+    let stamps: Vec<f64> = times(1e3, seconds).iter().map(|t| t + 3.3e-4).collect();
+    let mut text = "t_s,a\n".to_owned();
+    for (t, (_, a)) in stamps.iter().zip(motion(&stamps)) {
+        let _ = writeln!(text, "{t},{}", a + 0.05 * dice.normal());
+    }
+    text
+}
+
+/// At the frames alone the accelerometer tells little: all of its samples are compared.
+#[test]
+fn outputs_are_compared_at_their_own_samples() {
+    let mut dice = Dice::new(5);
+    let scratch = Scratch::new("streams-outputs");
+    let shaken = accelerometer(4.0, &mut dice);
+    let files = [("camera.csv", camera(4.0, (0.0, 0.0), 2e-3, &mut dice)), ("cell.csv", cell(4.0))];
+    files.iter().for_each(|(file, text)| fs::write(scratch.path(file), text).expect("a file"));
+    let stream = r#""a": (path: "a.csv", time: ("t_s", "s"), column: ("a", "m/s^2"))"#;
+    let text = spec(&format!("Csv(streams: {{ {CAMERA}, {CELL}, {stream} }})"))
+        .replace("    known:", r#"    outputs: { "a": (unit: "m/s^2", reads: "rate(v)") }, known:"#);
+    let path = scratch.path("case.ron");
+    let run = |command: &str, text: &str, every: usize| {
+        let rows = shaken.lines().enumerate().filter(|(row, _)| row % every == 0);
+        fs::write(scratch.path("a.csv"), rows.map(|(_, line)| format!("{line}\n")).collect::<String>())
+            .expect("a file");
+        fs::write(&path, text).expect("a spec");
+        phisindy(&[command, &path, "--format", "json", "--quiet"])
+    };
+    let said = run("run", &text, 1);
+    let (found, error) = friction(&said);
+    assert!((found - FRICTION).abs() < 4.0 * error, "{found} +- {error}\n{}", said.err);
+    assert!(said.out.contains(r#""verdict":"identified""#), "{}", said.out);
+    let (_, of_few) = friction(&run("run", &text, 30));
+    assert!(of_few > 2.0 * error, "{of_few} {error}");
+    // A law that is missing is found from both.
+    let lacking = text.replace(r#""v": (factor: "-sgn(v)/m", candidates: ["1"])"#, "");
+    assert!(lacking != text);
+    let said = run("gap", &lacking, 1);
+    assert!(said.out.contains(r#""status":"explained""#), "{}{}", said.out, said.err);
+    assert!(said.out.contains(r#""law":"coulomb""#), "{}", said.out);
 }
 
 /// A log of two channels in one table: most rows have an empty cell.
@@ -131,7 +183,7 @@ fn a_merged_file_has_two_streams() {
 #[test]
 fn what_is_wrong_with_a_stream_is_told() {
     let mut dice = Dice::new(3);
-    let (seen, pushed) = (camera(3.0, 0.0, 0.0, &mut dice), cell(3.0));
+    let (seen, pushed) = (camera(3.0, (0.0, 0.0), FINE, &mut dice), cell(3.0));
     let back = pushed.replace("\n1500000;", "\n500;");
     let record = |camera: &str, cell: &str| format!("Csv(streams: {{ {camera}, {cell} }})");
     // A minute later than the camera.
@@ -188,7 +240,7 @@ fn sensor(said: &Outcome, name: &str) -> (f64, f64) {
 fn the_offset_and_the_drift_of_a_clock_are_found() {
     let mut dice = Dice::new(4);
     let (late, drift) = (0.037, 50e-6);
-    let files = [("camera.csv", &*camera(40.0, late, drift, &mut dice)), ("cell.csv", &*cell(40.0))];
+    let files = [("camera.csv", &*camera(40.0, (late, drift), FINE, &mut dice)), ("cell.csv", &*cell(40.0))];
     let record = |sensors: &str| format!("Csv(streams: {{ {CAMERA}, {CELL} }}, sensors: {{ {sensors} }})");
     let find = |delay: &str, clock: &str| {
         format!("(delay: Find(start: 0.0, within: {delay}), clock: Find(start: 0.0, within: {clock}))")

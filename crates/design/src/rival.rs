@@ -5,7 +5,7 @@ use crate::trial::Trial;
 use faer::{Mat, Side};
 use phisindy_learn::{FoundParameter, ModelError, Predicted, Predictor};
 use phisindy_phys::spec::Role;
-use phisindy_phys::{Record, System};
+use phisindy_phys::{OwnTimes, Record, System};
 use phisindy_signal::{Interpolation, Signal};
 use std::sync::Arc;
 
@@ -308,6 +308,7 @@ impl Trial {
             name: "the next run".to_owned(),
             role: Role::Fit,
             columns: like.columns.iter().map(|column| column.as_ref().map(of)).collect(),
+            own_times: OwnTimes::default(),
             inputs: inputs.collect(),
             start: vec![None; like.start.len()],
             continues: None,

@@ -4,6 +4,7 @@ use crate::decisions::{MOVES, ONE_SHAPE, OTHER_SHAPE, OUT_OF_PROPORTION, SAYS_NO
 use crate::model::Fitted;
 use crate::result::{DataMistake, Named};
 use phisindy_signal::{noise_level, standard_deviation};
+use std::borrow::Cow;
 
 /// Mistakes that the records show when compared with a fitted model.
 pub(crate) fn data_mistakes(base: &Fitted) -> Vec<DataMistake> {
@@ -11,13 +12,12 @@ pub(crate) fn data_mistakes(base: &Fitted) -> Vec<DataMistake> {
     let mut mistakes = Vec::new();
     for (record, fit) in base.model.records.iter().zip(&base.cal.records) {
         let simulated = |k: usize| -> Option<Vec<f64>> {
-            let column = record.columns[k].as_ref()?;
-            let residual = &fit.residuals[k];
-            (residual.len() == column.len())
-                .then(|| column.iter().zip(residual).map(|(y, e)| y - e).collect())
+            let (column, residual) = (record.columns[k].as_ref()?, &fit.residuals[k]);
+            let all: Vec<f64> = column.iter().zip(residual).map(|(y, e)| y - e).collect();
+            (residual.len() == column.len()).then(|| record.own_times.of(k, &all).into_owned())
         };
-        let all: Vec<(usize, &Vec<f64>, Vec<f64>)> = (0..record.columns.len())
-            .filter_map(|k| Some((k, record.columns[k].as_ref()?, simulated(k)?)))
+        let all: Vec<(usize, Cow<'_, [f64]>, Vec<f64>)> = (0..record.columns.len())
+            .filter_map(|k| Some((k, record.own_column(k)?.1, simulated(k)?)))
             .collect();
         for (i, (a, measured, own)) in all.iter().enumerate() {
             let (slope, alike) = agreement(own, measured);

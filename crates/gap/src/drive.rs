@@ -97,9 +97,10 @@ pub(crate) struct OfOscillation {
 
 /// The free oscillation of a record of which `frequency` (rad/s) is a multiple up to `most`.
 pub(crate) fn multiple_of_oscillation(record: &Record, frequency: f64, most: u32) -> Option<OfOscillation> {
-    let step = mean_step(&record.time);
     let apart = SAME_LINE / span(record);
-    record.columns.iter().flatten().find_map(|column| {
+    (0..record.columns.len()).find_map(|k| {
+        let (time, column) = record.own_column(k)?;
+        let step = mean_step(&time);
         let (early, late) = column.split_at(column.len() / 2);
         let own = |part: &[f64]| lines(part, step, 1, 0).first().copied();
         let (a, b) = (own(early)?, own(late)?);

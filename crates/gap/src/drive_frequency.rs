@@ -54,10 +54,9 @@ pub(crate) fn drive_frequency(base: &Fitted, search: &mut Search<'_>) -> Option<
 fn starts(model: &TrialModel) -> Vec<f64> {
     let mut all = vec![1.0];
     for record in model.records.iter().filter(|r| r.role == Role::Fit) {
-        let step = mean_step(&record.time);
         let driven = Drive::new(&model.system, record).map_or(vec![], |mut drive| drive.lines());
-        for column in record.columns.iter().flatten() {
-            let own = lines(column, step, 1, 0);
+        for (time, column) in (0..record.columns.len()).filter_map(|k| record.own_column(k)) {
+            let own = lines(&column, mean_step(&time), 1, 0);
             let pairs = own.iter().flat_map(|own| driven.iter().map(move |line| own / line));
             all.extend(pairs.filter(|ratio| (ratio - 1.0).abs() < CLOCK_OFF));
         }

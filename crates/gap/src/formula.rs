@@ -33,7 +33,6 @@ use force::Free;
 use front::{Entry, Grammar, Selection, shortest, structure};
 use phisindy_learn::{Calibration, Effort};
 use phisindy_phys::{LawEntry, LawError, LawRole, Record};
-use phisindy_signal::standard_deviation;
 use scale::Scale;
 pub(crate) use scope::Scope;
 use shape::{Shape, Term, formula, shapes};
@@ -266,8 +265,8 @@ impl Search<'_> {
 /// little.
 pub(crate) fn response_noise(model: &TrialModel, noise: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let of = |(record, noise): (&Record, &Vec<f64>)| {
-        let columns = record.columns.iter().flatten().zip(noise);
-        columns.map(|(c, noise)| noise.max(RESPONSE_ERROR * standard_deviation(c))).collect()
+        let columns = (0..record.columns.len()).filter(|&k| record.columns[k].is_some()).zip(noise);
+        columns.map(|(k, noise)| noise.max(RESPONSE_ERROR * record.deviation(k))).collect()
     };
     model.records.iter().zip(noise).map(of).collect()
 }

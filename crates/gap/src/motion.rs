@@ -3,7 +3,7 @@
 
 use crate::decisions::{REST_NOISE, REST_PART};
 use crate::repeat::repeatability;
-use crate::whiteness::lines;
+use crate::whiteness::{lines, mean_step};
 use phisindy_learn::{Calibration, SensorPart};
 use phisindy_phys::{Record, System};
 use phisindy_signal::{Interpolation, noise_level};
@@ -103,10 +103,10 @@ impl Motion {
                 }
             }
         }
-        let measured = record.columns.iter().flatten().next();
-        let strongest = measured.and_then(|c| lines(c, step, 1, 0).first().copied());
+        let measured = (0..record.columns.len()).find_map(|k| record.own_column(k));
+        let strongest = measured.as_ref().and_then(|(t, x)| lines(x, mean_step(t), 1, 0).first().copied());
         let period = strongest.map_or(step * samples as f64, |w| 2.0 * std::f64::consts::PI / w);
-        let repeat = measured.and_then(|c| repeatability(record, c));
+        let repeat = measured.and_then(|(time, column)| repeatability(&time, &column));
         let (period, periodic) = repeat.map_or((period, false), |r| (r.period, true));
         let (time, since) = (record.time.to_vec(), record.sensors.first().map_or(0.0, |s| s.since));
         Motion { time, states, inputs, slopes, numbers, sensors, since, period, periodic }

@@ -23,21 +23,22 @@ pub(crate) fn causes(base: &Fitted, last: &Fitted) -> Vec<Cause> {
     let fitted = |(_, (r, _)): &(usize, (&Record, _))| r.role == Role::Fit;
     let was = |r: usize, name: &str| {
         let column = base.model.system.column(name)?;
-        base.cal.records[r].residuals.get(column)
+        Some(base.cal.records[r].own_residual(column))
     };
     for (r, (record, fit)) in last.model.records.iter().zip(&last.cal.records).enumerate().filter(fitted) {
         let mut drive = Drive::new(system, record);
-        for (((name, _), residual), column) in system.quantities().zip(&fit.residuals).zip(&record.columns) {
-            let Some(column) = column.as_ref().filter(|c| c.len() == residual.len()) else { continue };
+        for (k, (name, _)) in system.quantities().take(fit.residuals.len()).enumerate() {
+            let residual = fit.own_residual(k);
+            let own = record.own_column(k).filter(|(_, column)| column.len() == residual.len());
+            let Some((time, column)) = own else { continue };
             let of = Named { record: record.name.clone(), column: name.to_owned() };
             // What no force pulls back drifts by itself: its line in time says nothing of a sensor.
             let pulled_back =
                 system.state(name).is_none_or(|k| system.graph.uses(&system.known, &[system.states[k].node]));
-            let drifts = |residual: &Vec<f64>| {
-                pulled_back.then(|| drift(&record.time, residual, column, &of)).flatten()
-            };
-            told.extend(was(r, name).and_then(drifts).or_else(|| drifts(residual)));
-            told.extend(tone(record, residual, drive.as_mut(), &of));
+            let drifts =
+                |residual: &[f64]| pulled_back.then(|| drift(&time, residual, &column, &of)).flatten();
+            told.extend(was(r, name).and_then(|before| drifts(&before)).or_else(|| drifts(&residual)));
+            told.extend(tone(mean_step(&time), &residual, drive.as_mut(), &of));
         }
     }
     told
@@ -102,8 +103,7 @@ fn drift(time: &[f64], residual: &[f64], column: &[f64], of: &Named) -> Option<C
 }
 
 /// A residual that is mostly one tone; its cause need not be a force.
-fn tone(record: &Record, residual: &[f64], drive: Option<&mut Drive<'_>>, of: &Named) -> Option<Cause> {
-    let step = mean_step(&record.time);
+fn tone(step: f64, residual: &[f64], drive: Option<&mut Drive<'_>>, of: &Named) -> Option<Cause> {
     let line = *lines(residual, step, 1, 0).first()?;
     let part = share(residual, line * step);
     // A period longer than the record is no tone. A response at a frequency of the drive is a lack of the

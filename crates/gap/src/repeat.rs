@@ -3,7 +3,6 @@
 
 use crate::decisions::{PERIOD_FINE_STEP, PERIOD_STEP, PERIODIC, STEADY, TREND};
 use crate::whiteness::{lines, mean_step};
-use phisindy_phys::Record;
 use phisindy_signal::standard_deviation;
 
 /// The repeatability of one column of a record.
@@ -18,12 +17,12 @@ pub struct Repeat {
     pub rms: f64,
 }
 
-/// Cycle-to-cycle scatter of a column. `None` where the motion is not periodic or has fewer than four cycles,
+/// Cycle-to-cycle scatter of a column at these times. `None` where the motion is not periodic or has fewer than four cycles,
 /// or where the cycles follow a trend (a transient is not scatter).
-pub fn repeatability(record: &Record, column: &[f64]) -> Option<Repeat> {
+pub fn repeatability(time: &[f64], column: &[f64]) -> Option<Repeat> {
     let n = column.len();
-    let step = mean_step(&record.time);
-    let uniform = record.time.windows(2).all(|t| (t[1] - t[0] - step).abs() < 0.01 * step);
+    let step = mean_step(time);
+    let uniform = time.windows(2).all(|t| (t[1] - t[0] - step).abs() < 0.01 * step);
     let first = *lines(column, step, 1, 0).first()?;
     if !uniform {
         return None;
@@ -69,20 +68,18 @@ pub fn repeatability(record: &Record, column: &[f64]) -> Option<Repeat> {
 /// Error of the mean cycle of a column as a prediction of the column that continues it: the best accuracy
 /// without a model of the rig.
 pub(crate) fn prediction(
-    before: &Record,
-    column: &[f64],
-    after: &Record,
-    continued: &[f64],
+    (before, column): (&[f64], &[f64]),
+    (after, continued): (&[f64], &[f64]),
 ) -> Option<Repeat> {
     let own = repeatability(before, column)?;
-    let step = mean_step(&before.time);
+    let step = mean_step(before);
     let deviation = standard_deviation(continued);
     // The errors of the mean cycle of a period in the first record and in the one that continues it.
     let errors = |period: f64| {
         let cells = ((period / step).round() as usize).max(1);
-        let cell = |t: f64| (((t - before.time[0]) / period).fract() * cells as f64) as usize % cells;
+        let cell = |t: f64| (((t - before[0]) / period).fract() * cells as f64) as usize % cells;
         let (mut sums, mut counts) = (vec![0.0; cells], vec![0usize; cells]);
-        for (t, v) in before.time.iter().zip(column) {
+        for (t, v) in before.iter().zip(column) {
             sums[cell(*t)] += v;
             counts[cell(*t)] += 1;
         }
@@ -97,7 +94,7 @@ pub(crate) fn prediction(
             }
             (sum / count.max(1) as f64).sqrt()
         };
-        (error(&before.time, column), error(&after.time, continued))
+        (error(before, column), error(after, continued))
     };
     // The period is that of the drive, which is known throughout, so both records choose it.
     let miss = |period: f64| {
@@ -157,21 +154,9 @@ fn scatter(column: &[f64], period: f64) -> Option<(f64, f64)> {
 mod tests {
     use super::*;
 
-    fn record(n: usize) -> Record {
-        Record {
-            name: String::new(),
-            role: phisindy_phys::spec::Role::Fit,
-            time: (0..n).map(|i| 0.01 * i as f64).collect(),
-            columns: vec![],
-            inputs: vec![],
-            constants: vec![],
-            sensors: vec![],
-            start: vec![],
-            continues: None,
-            sizes: vec![],
-            derivations: vec![],
-            notes: vec![],
-        }
+    /// So many samples from one on, a hundred a second.
+    fn times(from: usize, n: usize) -> Vec<f64> {
+        (from..from + n).map(|i| 0.01 * i as f64).collect()
     }
 
     /// A sine with uniform jitter of width 0.1.
@@ -188,11 +173,11 @@ mod tests {
     fn scatter_is_measured_and_a_transient_is_not_scatter() {
         let n = 4000;
         let noisy = jittering(n);
-        let found = repeatability(&record(n), &noisy).expect("periodic");
+        let found = repeatability(&times(0, n), &noisy).expect("periodic");
         assert!((found.rms - 0.1 / 12f64.sqrt()).abs() < 0.006, "{found:?}");
         let decaying: Vec<f64> =
             (0..n).map(|i| (0.0503 * i as f64).sin() * (1.0 + 0.3 * (-0.001 * i as f64).exp())).collect();
-        assert_eq!(repeatability(&record(n), &decaying), None);
+        assert_eq!(repeatability(&times(0, n), &decaying), None);
     }
 
     /// The mean of thirty cycles misses the next ones by the scatter of both, and misses a motion of twice
@@ -201,27 +186,26 @@ mod tests {
     fn the_mean_cycle_predicts_what_goes_on() {
         let n = 4000;
         let all = jittering(2 * n);
-        let (before, mut after) = (record(n), record(n));
-        after.time = (n..2 * n).map(|i| 0.01 * i as f64).collect();
-        let found = prediction(&before, &all[..n], &after, &all[n..]).expect("periodic");
+        let (before, after) = (times(0, n), times(n, n));
+        let found = prediction((&before, &all[..n]), (&after, &all[n..])).expect("periodic");
         assert!((found.period - 0.01 * std::f64::consts::TAU / 0.0503).abs() < 5e-3, "{found:?}");
         // Besides the jitter, a cell of the mean cycle is one sample wide.
         let cell = 0.0503 / 24f64.sqrt();
         let due = (0.01 / 12.0 * (1.0 + 1.0 / 32.0) + cell * cell).sqrt();
         assert!((found.rms - due).abs() < 0.1 * due, "{found:?} {due}");
         let large: Vec<f64> = all[n..].iter().map(|x| 2.0 * x).collect();
-        let found = prediction(&before, &all[..n], &after, &large).expect("periodic");
+        let found = prediction((&before, &all[..n]), (&after, &large)).expect("periodic");
         assert!((found.nrmse - 0.5).abs() < 0.03, "{found:?}");
         // No cycle repeats, so there is no prediction.
         let drift: Vec<f64> = (0..n).map(|i| (1e-3 * i as f64).powi(2)).collect();
-        assert_eq!(prediction(&before, &drift, &after, &all[n..]), None);
+        assert_eq!(prediction((&before, &drift), (&after, &all[n..])), None);
     }
 
     #[test]
     fn samples_at_uneven_times_are_not_compared_cycle_by_cycle() {
-        let (mut record, column) = (record(4000), jittering(4000));
-        assert!(repeatability(&record, &column).is_some());
-        record.time = (0..4000).map(|i| 0.01 * f64::from(i) + if i == 2000 { 0.004 } else { 0.0 }).collect();
-        assert_eq!(repeatability(&record, &column), None);
+        let (mut time, column) = (times(0, 4000), jittering(4000));
+        assert!(repeatability(&time, &column).is_some());
+        time[2000] += 0.004;
+        assert_eq!(repeatability(&time, &column), None);
     }
 }

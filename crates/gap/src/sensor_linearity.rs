@@ -41,10 +41,8 @@ fn straightened(of: &Fitted) -> Option<(TrialModel, Named, f64)> {
         let (mut normal, mut right) = ([[0.0; 2]; 2], [0.0; 2]);
         let records = || of.model.records.iter().zip(&of.cal.records);
         for (record, fit) in records().filter(|(r, _)| r.role == Role::Fit) {
-            let (Some(column), Some(residual)) = (&record.columns[state], fit.residuals.get(state)) else {
-                continue;
-            };
-            for (powers, e) in bends(column).into_iter().zip(residual) {
+            let Some((_, column)) = record.own_column(state) else { continue };
+            for (powers, e) in bends(&column).into_iter().zip(fit.own_residual(state).iter()) {
                 for i in 0..2 {
                     right[i] += powers[i] * e;
                     (0..2).for_each(|j| normal[i][j] += powers[i] * powers[j]);

@@ -10,7 +10,6 @@ use crate::search::{Observer, Search, Searched, at_floor};
 use phisindy_learn::{Effort, dead_column};
 use phisindy_phys::spec::{self, Role, Spec};
 use phisindy_phys::{Case, LawEntry, Record, SourceId, System, splice};
-use phisindy_signal::standard_deviation;
 use std::ops::ControlFlow;
 
 /// Runs the gap workflow on a checked spec and its records. `observe` receives the progress as a fraction and
@@ -164,8 +163,8 @@ fn suitable(system: &System, records: &[Record]) -> Result<(), GapError> {
 /// Rejects a Fit record whose columns are all mostly noise: any model would leave noise.
 fn mostly_noise(records: &[Record], noise: &[Vec<f64>]) -> Result<(), GapError> {
     for (record, noise) in records.iter().zip(noise).filter(|(r, _)| r.role == Role::Fit) {
-        let columns = record.columns.iter().flatten();
-        let shares: Vec<f64> = columns.zip(noise).map(|(c, noise)| noise / standard_deviation(c)).collect();
+        let columns = (0..record.columns.len()).filter(|&k| record.columns[k].is_some());
+        let shares: Vec<f64> = columns.zip(noise).map(|(k, noise)| noise / record.deviation(k)).collect();
         if shares.iter().all(|s| *s > MOSTLY_NOISE) {
             let share = shares.iter().copied().fold(1.0, f64::min);
             return Err(GapError::Data(DataError::MostlyNoise { record: record.name.clone(), share }));
@@ -195,16 +194,16 @@ fn floor(case: &Case, records: &[Record], noise: &[Vec<f64>]) -> (Vec<ColumnRepe
     let (mut sum, mut count) = (0.0, 0usize);
     let mut periodic = true;
     for (r, record) in records.iter().enumerate() {
-        let measured = record.columns.iter().enumerate().filter_map(|(k, c)| Some((k, c.as_ref()?)));
-        for ((k, column), noise) in measured.zip(&noise[r]) {
+        let measured = (0..record.columns.len()).filter_map(|k| Some((k, record.own_column(k)?)));
+        for ((k, (time, column)), noise) in measured.zip(&noise[r]) {
             let counts = !validates || record.role == Role::Validate;
             // The larger of the scatter within a record and the change from one half to the next.
-            let own = repeatability(record, column).filter(|r| {
+            let own = repeatability(&time, &column).filter(|r| {
                 Drive::new(&case.system, record).is_some_and(|mut drive| drive.repeats(r.period))
             });
             let carried = record.continues.and_then(|before| {
-                let earlier = records[before].columns[k].as_ref()?;
-                prediction(&records[before], earlier, record, column)
+                let (earlier, before) = records[before].own_column(k)?;
+                prediction((&earlier, &before), (&time, &column))
             });
             let larger = match (own, carried) {
                 (Some(a), Some(b)) => Some(if a.rms > b.rms { a } else { b }),

@@ -5,7 +5,7 @@ use crate::columns::{Column, Columns};
 use crate::headings::{Heading, Quantity};
 use crate::listing::marked;
 use crate::refusal::{Refusal, Wanted};
-use crate::sheet::{OwnTimes, Rows, Sheet};
+use crate::sheet::{OwnChannel, Rows, Sheet};
 use crate::time_column::is_named_time;
 use phisindy_phys::unit::Unit;
 use phisindy_signal::on_straight_lines;
@@ -177,7 +177,7 @@ fn slowness(times: &[f64]) -> f64 {
 struct Joined {
     columns: Columns,
     notes: Vec<String>,
-    own: Vec<OwnTimes>,
+    own: Vec<OwnChannel>,
 }
 
 /// The columns of the base, and those of other rates at its times.
@@ -218,18 +218,15 @@ fn joined(mut rates: Vec<Rate>, base: usize, wanted: &Wanted<'_>) -> Result<Join
         let inside = |t: &f64| *t >= from[0] && *t <= from[from.len() - 1];
         first = first.max(to.iter().position(inside).unwrap_or(to.len()));
         last = last.min(to.iter().rposition(inside).map_or(0, |k| k + 1));
-        if slowness(from) > slowness(to) {
-            notes
-                .push(format!("{names}: slower than the rows, numbers between its samples are interpolated"));
-        } else if matches!(wanted, Wanted::All { .. }) {
-            notes.push(format!("{names}: taken at the times of the rows, between its neighbouring samples"));
+        if matches!(wanted, Wanted::All { .. }) {
+            notes.push(format!("{names}: has times of its own, and is read at these"));
         }
         for k in asked {
             let Column { name, unit, .. } = &rate.columns[k];
             let values = match &rate.columns[k].values {
                 Values::Numbers(x) => {
                     if matches!(wanted, Wanted::Record(_)) {
-                        own_times.push(OwnTimes {
+                        own_times.push(OwnChannel {
                             name: name.clone(),
                             time: from.to_vec(),
                             values: x.clone(),

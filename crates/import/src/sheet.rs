@@ -16,14 +16,14 @@ pub(crate) struct Sheet {
     /// What was done to channels of other rates, for the user.
     pub(crate) notes: Vec<String>,
     /// The channels of other rates that a record asks for, as they were sampled.
-    pub(crate) own: Vec<OwnTimes>,
+    pub(crate) own: Vec<OwnChannel>,
     /// The rows.
     pub(crate) rows: Rows,
 }
 
 /// A channel with times of its own, in the units of the file.
 #[derive(Debug)]
-pub(crate) struct OwnTimes {
+pub(crate) struct OwnChannel {
     pub(crate) name: String,
     pub(crate) time: Vec<f64>,
     pub(crate) values: Vec<f64>,

@@ -6,7 +6,7 @@ use crate::identify::{LearnOptions, identify};
 use crate::linear::{covariance, solve_damped, symmetric};
 use crate::result::error::{LearnError, ModelError, TruthError};
 use crate::result::identified::Identified;
-use crate::trajectory::noise::{ColumnNoise, least_noise};
+use crate::trajectory::noise::{ColumnNoise, least_noise_of};
 use crate::trajectory::problem::Problem;
 use phisindy_expr::{Id, Scratch, Tape};
 use phisindy_phys::spec::{NoiseSpec, Role};
@@ -151,9 +151,7 @@ pub fn bound(
         .map(|(i, &r)| {
             (0..case.system.columns())
                 .map(|k| {
-                    let floor = problem.records[i].columns[k]
-                        .as_deref()
-                        .map_or(0.0, |c| least_noise(c, problem.records[i].rounding(k), NOISE_FLOOR));
+                    let floor = least_noise_of(problem.records[i], k, NOISE_FLOOR);
                     let Origin::Synthetic(s) = &case.records[r].origin else {
                         return ColumnNoise { additive: floor, relative: 0.0 };
                     };

@@ -133,8 +133,16 @@ fn edited(loaded: &Loaded, late: &LateColumn, found: &Number, property: &str, va
     }
     let (parsed, case, _) = checked(&text, SourceId(0)).ok()?;
     let records = records.iter().zip(&case.records).map(|(record, plan)| {
-        let columns = laid_out(record, system, &case.system);
-        Record { columns, sensors: plan.sensors.clone(), start: plan.start.clone(), ..record.clone() }
+        let places = laid_out(record, system, &case.system);
+        let columns = places.iter().map(|place| record.columns[(*place)?].clone()).collect();
+        let own_times = record.own_times.at(places.into_iter());
+        Record {
+            columns,
+            own_times,
+            sensors: plan.sensors.clone(),
+            start: plan.start.clone(),
+            ..record.clone()
+        }
     });
     let records = records.collect();
     // What is simulated without noise knows no sensor.
@@ -142,12 +150,10 @@ fn edited(loaded: &Loaded, late: &LateColumn, found: &Number, property: &str, va
     Some(Loaded { text, parsed, case, records, truths, ..loaded.clone() })
 }
 
-/// The columns of a record as another system has them: a filtered state is read as an output of its name.
-fn laid_out(record: &Record, from: &System, to: &System) -> Vec<Option<Vec<f64>>> {
-    let own = |name: &str| {
-        let mut same = (0..from.columns()).filter(|&k| from.measured(k).0 == name);
-        same.find_map(|k| record.columns[k].clone())
-    };
+/// Where a record has the columns that another system has: a filtered state is read as an output of its name.
+fn laid_out(record: &Record, from: &System, to: &System) -> Vec<Option<usize>> {
+    let own =
+        |name: &str| (0..from.columns()).find(|&k| from.measured(k).0 == name && record.columns[k].is_some());
     let shown = |k: usize| to.outputs.iter().any(|o| o.name == to.states[k].name);
     (0..to.columns())
         .map(|k| if k < to.states.len() && shown(k) { None } else { own(to.measured(k).0) })

@@ -38,6 +38,7 @@ pub use system::equations::{Contact, Input, NamedPlace, Output, Parameter, State
 pub use system::filter::{Filter, FilterKind, NotLinear};
 pub use system::model::Model;
 pub use system::note::Note;
+pub use system::own_times::OwnTimes;
 pub use system::plan::{Origin, RecordPlan, Synthetic, SyntheticInput};
 pub use system::record::{Derivation, Overlap, Record, Units, link_continuations, overlaps};
 pub use system::requirement::Requirement;

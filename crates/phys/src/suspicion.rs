@@ -31,6 +31,7 @@ use phisindy_signal::{
 use rates::rates;
 use repeats::repeats;
 use spikes::spikes;
+use std::borrow::Cow;
 
 /// A time step of this many median steps is a gap.
 const GAP_STEPS: f64 = 5.0;
@@ -50,10 +51,16 @@ const MIN_INPUT_SAMPLES: usize = 64;
 /// What is odd about a record. Nothing of it prevents a fit.
 pub fn suspicions(system: &System, record: &Record) -> Vec<Suspicion> {
     let mut found = Vec::new();
-    missing_samples(record, &mut found);
+    let clocks = (0..system.columns()).filter(|&k| record.columns[k].is_some() && !record.own_times.all(k));
+    let clocks: Vec<Cow<'_, [f64]>> = clocks.map(|k| record.own_times.of(k, &record.time)).collect();
+    match clocks.is_empty() {
+        true => missing_samples(&record.time, &mut found),
+        false => clocks.iter().for_each(|time| missing_samples(time, &mut found)),
+    }
     let before = found.len();
     for (k, (name, _)) in system.quantities().take(system.columns()).enumerate() {
-        if let Some(column) = &record.columns[k] {
+        if let Some((time, column)) = record.own_column(k) {
+            let column = &*column;
             constant(name, column, &mut found);
             // What a sensor reads of a force or an acceleration may have a flat top where friction holds.
             if k < system.states.len() {
@@ -61,10 +68,12 @@ pub fn suspicions(system: &System, record: &Record) -> Vec<Suspicion> {
             }
             let velocity =
                 system.states.get(k).and_then(|s| s.velocity).map(|v| record.columns[v].as_deref());
+            let velocity = velocity.map(|v| v.map(|v| record.own_times.of(k, v)));
             // Every step of a coarsely quantised or repeated column would be reported as a jump.
             let few = quantised(name, column, &mut found);
             if !repeated(name, column, None, &mut found) && !few && k < system.states.len() {
-                faulty_samples(&record.time, name, column, velocity, &mut found);
+                let velocity = velocity.as_ref().map(Option::as_deref);
+                faulty_samples(&time, name, column, velocity, &mut found);
             }
         }
     }
@@ -89,16 +98,15 @@ pub fn suspicions(system: &System, record: &Record) -> Vec<Suspicion> {
 }
 
 /// Gaps in time.
-fn missing_samples(record: &Record, found: &mut Vec<Suspicion>) {
-    let mut steps: Vec<f64> = record.time.windows(2).map(|w| w[1] - w[0]).collect();
-    let after = |k: usize| (record.time[k], record.time[k + 1]);
+fn missing_samples(time: &[f64], found: &mut Vec<Suspicion>) {
+    let mut steps: Vec<f64> = time.windows(2).map(|w| w[1] - w[0]).collect();
+    let after = |k: usize| (time[k], time[k + 1]);
     steps.sort_by(f64::total_cmp);
     let usual = steps.get(steps.len() / 2).copied().unwrap_or(0.0);
-    let all: Vec<usize> = (0..record.len().saturating_sub(1))
-        .filter(|&k| after(k).1 - after(k).0 > GAP_STEPS * usual)
-        .collect();
+    let all: Vec<usize> =
+        (0..time.len().saturating_sub(1)).filter(|&k| after(k).1 - after(k).0 > GAP_STEPS * usual).collect();
     // Irregular sampling is no gap.
-    if let (Some(&first), true) = (all.first(), all.len() * RARE_GAPS <= record.len()) {
+    if let (Some(&first), true) = (all.first(), all.len() * RARE_GAPS <= time.len()) {
         let (from, to) = after(first);
         found.push(Suspicion::MissingSamples { from, to, steps: (to - from) / usual, count: all.len() });
     }

@@ -14,6 +14,7 @@ mod lagrange;
 mod measured;
 pub(crate) mod model;
 pub(crate) mod note;
+pub(crate) mod own_times;
 pub(crate) mod plan;
 pub(crate) mod record;
 pub(crate) mod requirement;

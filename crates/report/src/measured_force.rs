@@ -83,7 +83,9 @@ impl Body<'_> {
     ) -> (Vec<(f64, f64)>, f64) {
         let Some(run) = &fit.run else { return (vec![], 0.0) };
         let residual = |k: usize| fit.residuals.get(k).filter(|e| !e.is_empty());
-        let every = record.len().div_ceil(SAMPLES).max(1);
+        let own = |column: usize| -> Vec<usize> {
+            (0..record.len()).filter(|&i| record.own_times.has(column, i)).collect()
+        };
         let mut out = Vec::new();
         let mut keep = |place: f64, force: f64| {
             if place.is_finite() && force.is_finite() {
@@ -93,7 +95,8 @@ impl Body<'_> {
         let (column, displacement) = match self.acceleration {
             Acceleration::Read(k) => {
                 let Some(left) = residual(k) else { return (vec![], 0.0) };
-                for i in (0..record.len()).step_by(every) {
+                let own = own(k);
+                for &i in own.iter().step_by(own.len().div_ceil(SAMPLES).max(1)) {
                     let [place, force, _, _, inertia] = evaluated(i, run.state_at(i), numbers);
                     let inertia = if self.state.is_some() { self.inertia(inertia) } else { 1.0 };
                     keep(place, force + self.sign * inertia * left[i]);
@@ -105,23 +108,25 @@ impl Body<'_> {
             Acceleration::Unknown => return (vec![], 0.0),
         };
         let (Some(left), Some(v)) = (residual(column), self.state) else { return (vec![], 0.0) };
-        let values: Vec<f64> = (0..record.len()).map(|i| run.state_at(i)[column] + left[i]).collect();
+        let own = own(column);
+        let time: Vec<f64> = own.iter().map(|&i| record.time[i]).collect();
+        let values: Vec<f64> = own.iter().map(|&i| run.state_at(i)[column] + left[i]).collect();
         let name = self.system.states[column].name.as_str();
         let noise = noise.iter().find(|(column, _)| column == name).map_or(0.0, |n| n.1);
         let inertia = self.inertia(evaluated(0, run.state_at(0), numbers)[4]);
         let Some(smooth) =
-            LocalCubic::new(&record.time, &values, noise * inertia.abs() / typical, displacement.is_some())
+            LocalCubic::new(&time, &values, noise * inertia.abs() / typical, displacement.is_some())
         else {
             return (vec![], 0.0);
         };
         let half = smooth.half_width();
-        for i in (0..record.len()).step_by(every) {
+        for (k, &i) in own.iter().enumerate().step_by(own.len().div_ceil(SAMPLES).max(1)) {
             let t = record.time[i];
             // Over a change of mode the smoothed acceleration is a mean of two.
             let changes = run.events.iter().any(|e| (e.time - t).abs() < half);
             let switches = run.modes.len() / record.len().max(1);
             let held = run.modes[i * switches..(i + 1) * switches].contains(&0);
-            let Some([value, slope, curvature]) = smooth.at(i) else { continue };
+            let Some([value, slope, curvature]) = smooth.at(k) else { continue };
             let mut states = run.state_at(i).to_vec();
             if changes || held {
                 continue;

@@ -5,6 +5,7 @@ use phisindy_learn::RecordFit;
 use phisindy_phys::spec::Role;
 use phisindy_phys::{Record, System};
 use phisindy_sim::Automaton;
+use std::borrow::Cow;
 
 /// A model with its free run of each record.
 pub(crate) struct Model<'a> {
@@ -29,8 +30,9 @@ impl<'a> Model<'a> {
     /// Measured minus simulated values of a column in its unit; none without samples or a run.
     pub(crate) fn residual(&self, record: usize, column: &str) -> Option<Vec<f64>> {
         let k = self.system.column(column)?;
-        let residual = self.fits[record].residuals.get(k).filter(|r| !r.is_empty())?;
-        Some(residual.iter().map(|e| e / self.system.factor(k)).collect())
+        let fit = &self.fits[record];
+        fit.residuals.get(k).filter(|r| !r.is_empty())?;
+        Some(fit.own_residual(k).iter().map(|e| e / self.system.factor(k)).collect())
     }
 
     /// NRMSE of a record's column.
@@ -51,7 +53,7 @@ pub(crate) struct Seen<'a> {
     pub(crate) model: Option<Model<'a>>,
 }
 
-/// Index of a record and one number for each of its samples.
+/// Index of a record and one number for each sample that it has of a column.
 pub(crate) type Part = (usize, Vec<f64>);
 
 /// A measured column of a chain of records.
@@ -94,7 +96,7 @@ impl Seen<'_> {
                     record: self.records[r].name.clone(),
                     column: c.name.to_owned(),
                     unit: c.unit.to_owned(),
-                    time: self.records[r].time.to_vec(),
+                    time: self.times(r, c.name).into_owned(),
                     measured,
                     model,
                 })
@@ -122,12 +124,20 @@ impl Seen<'_> {
         let columns = quantities.map(|(k, (name, unit))| {
             let factor = self.system.factor(k);
             let part = |&r: &usize| {
-                let column = self.records[r].columns[k].as_ref()?;
+                let (_, column) = self.records[r].own_column(k)?;
                 Some((r, column.iter().map(|v| v / factor).collect()))
             };
             Column { name, unit, parts: chain.iter().filter_map(part).collect() }
         });
         columns.filter(|c| !c.parts.is_empty()).collect()
+    }
+
+    /// When a record sampled a column.
+    pub(crate) fn times(&self, record: usize, column: &str) -> Cow<'_, [f64]> {
+        let record = &self.records[record];
+        self.system
+            .column(column)
+            .map_or(Cow::Borrowed(&*record.time), |k| record.own_times.of(k, &record.time))
     }
 
     /// First and last time of a chain.

@@ -38,7 +38,7 @@ pub(crate) struct Series {
 pub(crate) fn series(seen: &Seen<'_>, column: Option<&str>) -> Option<Series> {
     let stretch = stretch(seen, column)?;
     let Stretch { record, column, samples } = &stretch;
-    let (name, time) = (&seen.records[*record].name, &seen.records[*record].time);
+    let (name, time) = (&seen.records[*record].name, seen.times(*record, column.name));
     let values = &column.parts[0].1;
     let simulated = |model: &Model<'_>| -> Vec<(f64, f64)> {
         let residual = model.residual(*record, column.name).unwrap_or_default();
@@ -70,7 +70,7 @@ pub(crate) fn stretch<'s>(seen: &'s Seen<'_>, wanted: Option<&str>) -> Option<St
             None => after[i],
         };
         let gain: Vec<f64> = (0..after.len()).map(step).collect();
-        let (samples, mean) = window(&data.time, &column.parts[0].1, &gain);
+        let (samples, mean) = window(&seen.times(record, column.name), &column.parts[0].1, &gain);
         let validate = data.role == Role::Validate;
         let better = best.as_ref().is_none_or(|(v, m, _)| (validate, mean) > (*v, *m));
         if better && samples.len() > 1 {

@@ -9,7 +9,9 @@ use crate::noise::{Noise, Streams, add_noise};
 use crate::{Automaton, Drive, Options, SimError, Trajectory, simulate};
 use phisindy_expr::{Id, Scratch, Tape};
 use phisindy_phys::spec::{InputSpec, NoiseSpec};
-use phisindy_phys::{Derivation, Note, Record, RecordPlan, Synthetic, SyntheticInput, System, Value};
+use phisindy_phys::{
+    Derivation, Note, OwnTimes, Record, RecordPlan, Synthetic, SyntheticInput, System, Value,
+};
 use phisindy_signal::{Interpolation, Signal, differentiate};
 use std::fmt;
 use std::sync::Arc;
@@ -90,6 +92,7 @@ pub fn synthesize(
         role: plan.role,
         time: recorded_time,
         columns,
+        own_times: OwnTimes::default(),
         inputs,
         constants,
         sensors: plan.sensors.clone(),

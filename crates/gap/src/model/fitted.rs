@@ -13,6 +13,7 @@ use phisindy_learn::{Calibration, Effort, FoundParameter, RecordFit, SegmentFit,
 use phisindy_phys::spec::Role;
 use phisindy_phys::{Parameter, Record};
 use phisindy_signal::noise_level_at;
+use std::borrow::Cow;
 use std::sync::Arc;
 
 /// A calibrated model.
@@ -156,24 +157,24 @@ impl Fitted {
         let growing = growing_noise(&self.model.records, residual);
         // What the inputs leave between their samples is as good as noise, and hides what noise there is.
         let hidden = |r: usize, k: usize| self.input_errors.iter().find(|e| (e.record, e.column) == (r, k));
-        let of = |r: usize, own: f64, residual: &Vec<f64>, (k, column): (usize, &Vec<f64>)| {
+        let of = |r: usize, own: f64, residual: Cow<'_, [f64]>, k: usize| {
+            let record = &self.model.records[r];
             if let Some(error) = hidden(r, k) {
                 return own.max(error.left);
             }
-            let grown = growing.get(k).copied().flatten().map_or(0.0, |form| form.root_mean_square(column));
             if residual.is_empty() {
-                own
-            } else {
-                let level = noise_level_at(&self.model.records[r].time, residual);
-                grown.max(level).max(self.model.records[r].rounding(k)).max(f64::MIN_POSITIVE)
+                return own;
             }
+            let form = growing.get(k).copied().flatten().zip(record.own_column(k));
+            let grown = form.map_or(0.0, |(form, (_, column))| form.root_mean_square(&column));
+            let level = noise_level_at(&record.own_times.of(k, &record.time), &residual);
+            grown.max(level).max(record.rounding(k)).max(f64::MIN_POSITIVE)
         };
-        let none = vec![];
         let record = |r: usize| {
-            let columns = self.model.records[r].columns.iter().enumerate();
-            let columns = columns.filter_map(|(k, column)| Some((k, column.as_ref()?)));
+            let columns = &self.model.records[r].columns;
+            let columns = (0..columns.len()).filter(|&k| columns[k].is_some());
             // A run that failed leaves no residuals.
-            let residuals = measured(&self.cal.records[r]).chain(std::iter::repeat(&none));
+            let residuals = measured(&self.cal.records[r]).chain(std::iter::repeat(Cow::Borrowed(&[][..])));
             noise[r].iter().zip(residuals).zip(columns).map(|((&own, e), c)| of(r, own, e, c)).collect()
         };
         (0..noise.len()).map(record).collect()
@@ -202,7 +203,8 @@ impl Fitted {
             let residuals = &joint.records[error.record].residuals;
             let own = residuals[..error.column].iter().filter(|e| !e.is_empty()).count();
             let ratio = error.left / noise[error.record][own];
-            residuals[error.column].len() as f64 * (ratio.powi(2) - 1.0).max(0.0)
+            joint.records[error.record].own_residual(error.column).len() as f64
+                * (ratio.powi(2) - 1.0).max(0.0)
         };
         self.input_errors.iter().map(of).sum()
     }
@@ -214,7 +216,7 @@ impl Fitted {
         let records = other.cal.records.iter().zip(&self.cal.records).zip(noise);
         for ((other, own), noise) in records.filter(|((own, _), _)| own.role == on) {
             for ((a, b), noise) in measured(other).zip(measured(own)).zip(noise) {
-                sum += a.iter().zip(b).map(|(a, b)| ((a - b) / noise).powi(2)).sum::<f64>();
+                sum += a.iter().zip(b.iter()).map(|(a, b)| ((a - b) / noise).powi(2)).sum::<f64>();
                 count += a.len();
             }
         }
@@ -302,9 +304,9 @@ fn whiteness_of(cal: &Calibration, records: &[Record], of: impl Fn(usize, usize)
         if !(0..record.columns.len()).any(|k| of(r, k)) {
             continue;
         }
-        for (k, (residual, column)) in replay.residuals.iter().zip(&record.columns).enumerate() {
-            if let (true, false, Some(column)) = (of(r, k), residual.is_empty(), column) {
-                worst = worst.max(score(residual, column));
+        for k in (0..replay.residuals.len()).filter(|&k| of(r, k) && !replay.residuals[k].is_empty()) {
+            if let Some((_, column)) = record.own_column(k) {
+                worst = worst.max(score(&replay.own_residual(k), &column));
             }
         }
         if replay.run.is_none() {
@@ -314,9 +316,10 @@ fn whiteness_of(cal: &Calibration, records: &[Record], of: impl Fn(usize, usize)
     worst
 }
 
-/// The residuals of the measured columns of a record; none where its run fails.
-pub(crate) fn measured(fit: &RecordFit) -> impl Iterator<Item = &Vec<f64>> {
-    fit.residuals.iter().filter(|residual| !residual.is_empty())
+/// The residuals of the measured columns of a record, each at its own samples; none where its run fails.
+pub(crate) fn measured(fit: &RecordFit) -> impl Iterator<Item = Cow<'_, [f64]>> {
+    let measured = (0..fit.residuals.len()).filter(|&k| !fit.residuals[k].is_empty());
+    measured.map(|k| fit.own_residual(k))
 }
 
 /// Indices of the records of one role.

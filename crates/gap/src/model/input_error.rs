@@ -30,21 +30,20 @@ pub(crate) struct ColumnError {
 pub(crate) fn input_errors(model: &TrialModel, runs: &[RecordFit]) -> Option<Vec<ColumnError>> {
     let mut all = Vec::new();
     for (r, (record, own)) in model.records.iter().zip(runs).enumerate() {
-        let measured = record.columns.iter().zip(&own.residuals).enumerate();
-        let coloured = |(_, (column, e)): &(usize, (&Option<Vec<f64>>, &Vec<f64>))| {
-            column.as_ref().is_some_and(|column| !e.is_empty() && score(e, column) >= NOT_WHITE)
+        let coloured = |&k: &usize| {
+            let column = record.own_column(k).filter(|_| !own.residuals[k].is_empty());
+            column.is_some_and(|(_, column)| score(&own.own_residual(k), &column) >= NOT_WHITE)
         };
-        let coloured: Vec<(usize, &Vec<f64>)> =
-            measured.filter(coloured).map(|(k, (_, residual))| (k, residual)).collect();
+        let coloured: Vec<usize> = (0..own.residuals.len()).filter(coloured).collect();
         if record.role != Role::Validate || coloured.is_empty() {
             continue;
         }
         let finer = with_finer_inputs(record)?;
         let run = |record: &Record| predicted(&model.system, record, &own.start, &[]).ok();
         let (drawn, finer) = (run(record)?, run(&finer)?);
-        for (column, residual) in coloured {
+        for column in coloured {
             let between = drawn[column].iter().zip(&finer[column]).map(|(a, b)| a - b);
-            let (left, open) = (rms(residual.iter().copied()), rms(between));
+            let (left, open) = (rms(own.own_residual(column).iter().copied()), rms(between));
             // A rule of higher order has an error, too; the factor allows for it.
             if left > REPEATS * open {
                 return None;

@@ -4,30 +4,32 @@ use crate::decisions::{CLEAN_COLUMN, SEARCHED_SAMPLES};
 use crate::model::noise_form::GrowingNoise;
 use phisindy_phys::Record;
 use phisindy_phys::spec::Role;
-use phisindy_signal::{noise_level_at, standard_deviation};
+use phisindy_signal::standard_deviation;
 
 /// Noise of every measured column by record, from the spectrum above the motion: it needs no model. Of noise
 /// that grows with the signal it is the root mean square along the record.
 pub(crate) fn noise_of(records: &[Record]) -> Vec<Vec<f64>> {
     let growing = growing_noise(records, |r, k| records[r].columns[k].as_deref());
     let of = |record: &Record, k: usize| {
-        let c = record.columns[k].as_ref()?;
-        let level =
-            growing[k].map_or(0.0, |form| form.root_mean_square(c)).max(noise_level_at(&record.time, c));
-        Some(level.max(CLEAN_COLUMN * standard_deviation(c)).max(f64::MIN_POSITIVE))
+        let (_, own) = record.own_column(k)?;
+        let level = growing[k].map_or(0.0, |form| form.root_mean_square(&own)).max(record.noise_level(k));
+        Some(level.max(CLEAN_COLUMN * standard_deviation(&own)).max(f64::MIN_POSITIVE))
     };
     records.iter().map(|r| (0..r.columns.len()).filter_map(|k| of(r, k)).collect()).collect()
 }
 
 /// For each column how the noise of its sensor grows with the signal, by the first record that shows it;
-/// `values` are the column or what a model leaves of it. One that is short, or mostly at rest, does not show
+/// `values` are the column or what a model leaves of it, at all samples. One that is short, or mostly at rest, does not show
 /// it.
 pub(crate) fn growing_noise<'a>(
     records: &[Record],
     values: impl Fn(usize, usize) -> Option<&'a [f64]>,
 ) -> Vec<Option<GrowingNoise>> {
     let columns = records.first().map_or(0, |r| r.columns.len());
-    let shown = |r: usize, k: usize| GrowingNoise::of(values(r, k)?, records[r].columns[k].as_deref()?);
+    let shown = |r: usize, k: usize| {
+        let (_, own) = records[r].own_column(k)?;
+        GrowingNoise::of(&records[r].own_times.of(k, values(r, k)?), &own)
+    };
     (0..columns).map(|k| (0..records.len()).find_map(|r| shown(r, k))).collect()
 }
 
@@ -38,9 +40,7 @@ pub(crate) fn shortened(records: &[Record]) -> Option<Vec<Record>> {
     let long = records.iter().any(|r| r.len() > most + most / 2);
     let cut = |r: &Record| {
         let n = r.len().min(most);
-        let columns = r.columns.iter().map(|c| c.as_ref().map(|c| c[..n].to_vec())).collect();
-        // A cut record does not continue another one.
-        Record { time: r.time[..n].into(), columns, continues: None, ..r.clone() }
+        r.beginning(n)
     };
     long.then(|| records.iter().map(cut).collect())
 }

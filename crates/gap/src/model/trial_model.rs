@@ -285,11 +285,13 @@ impl TrialModel {
         let n = self.system.add_state(name, unit);
         for record in Arc::make_mut(&mut self.records) {
             record.columns.insert(n, None);
+            record.own_times.insert(n);
             record.start.push(None);
             record.sensors.insert(n, Sensor::default());
         }
         for record in Arc::make_mut(&mut self.smooth) {
             record.columns.insert(n, Some(vec![0.0; record.time.len()]));
+            record.own_times.insert(n);
             record.start.push(None);
             record.sensors.insert(n, Sensor::default());
         }

@@ -76,6 +76,8 @@ pub(crate) fn regions(
             let record = &records[r];
             let span = record.time[record.len() - 1] - record.time[0];
             let switches = run.modes.len() / residual.len().max(1);
+            let own: Vec<usize> = (0..residual.len()).filter(|&i| fit.own_times.has(k, i)).collect();
+            let along = |value: &dyn Fn(usize) -> f64| own.iter().map(|&i| value(i)).collect::<Vec<f64>>();
             let mut put = |name: &str, unit: &str, factor: f64, values: Vec<f64>| match axes
                 .iter_mut()
                 .find(|a| a.name == name)
@@ -83,39 +85,32 @@ pub(crate) fn regions(
                 Some(axis) => axis.values.extend(values),
                 None => axes.push(Axis { name: name.to_owned(), unit: unit.to_owned(), factor, values }),
             };
-            let m = residual.len();
-            put("time", "", 1.0, (0..m).map(|i| (record.time[i] - record.time[0]) / span).collect());
+            put("time", "", 1.0, along(&|i| (record.time[i] - record.time[0]) / span));
             for (s, other) in system.states.iter().enumerate() {
-                let values = (0..m).map(|i| run.states[i * run.n + s]).collect();
+                let values = along(&|i| run.states[i * run.n + s]);
                 put(&other.name, &other.unit, other.factor, values);
             }
             for (u, input) in system.inputs.iter().enumerate() {
-                let values = (0..m).map(|i| record.inputs[u].value(record.time[i])).collect();
+                let values = along(&|i| record.inputs[u].value(record.time[i]));
                 put(&input.name, &input.unit, input.factor, values);
             }
             let near = 0.02 * span;
-            put(
-                "regime",
-                "",
-                1.0,
-                (0..m)
-                    .map(|i| {
-                        let stuck = switches > 0 && run.modes[i * switches..(i + 1) * switches].contains(&0);
-                        let switching =
-                            run.events.iter().any(|e| (e.time - record.time[i]).abs() < 0.05 * near);
-                        if stuck {
-                            2.0
-                        } else if switching {
-                            1.0
-                        } else {
-                            0.0
-                        }
-                    })
-                    .collect(),
-            );
+            let regime = |i: usize| {
+                let stuck = switches > 0 && run.modes[i * switches..(i + 1) * switches].contains(&0);
+                let switching = run.events.iter().any(|e| (e.time - record.time[i]).abs() < 0.05 * near);
+                if stuck {
+                    2.0
+                } else if switching {
+                    1.0
+                } else {
+                    0.0
+                }
+            };
+            put("regime", "", 1.0, along(&regime));
             let noise = noise[r][record.columns[..k].iter().flatten().count()];
-            power.extend(residual.iter().map(|e| (e / noise).powi(2)));
-            total += residual.iter().map(|e| (e / noise).powi(2)).sum::<f64>();
+            let powers = along(&|i| (residual[i] / noise).powi(2));
+            total += powers.iter().sum::<f64>();
+            power.extend(powers);
         }
         if power.is_empty() {
             continue;

@@ -12,7 +12,7 @@ use crate::place::{Entered, Rates, Site, entered};
 use crate::whiteness::lines;
 use phisindy_expr::{Id, Tape};
 use phisindy_learn::Calibration;
-use phisindy_phys::System;
+use phisindy_phys::{Record, System};
 use phisindy_sim::Trajectory;
 
 /// One record, prepared for the regression.
@@ -44,8 +44,24 @@ pub(super) struct Row {
     pub(super) column: usize,
     values: Vec<f64>,
     weight: f64,
+    /// The sample of each stretch that counts; none where the column has none of its own.
+    at: Vec<Option<usize>>,
     /// What the known rates make of it, without its sensor.
     known: Vec<f64>,
+}
+
+impl Row {
+    /// A value at every sample that counts.
+    fn every(&self, of: impl Fn(usize) -> f64) -> Vec<f64> {
+        self.at.iter().map(|at| at.map_or(0.0, &of)).collect()
+    }
+}
+
+/// The first sample that a column has in each stretch of so many samples of a record.
+fn counting(record: &Record, column: usize, stride: usize) -> Vec<Option<usize>> {
+    let first =
+        |from: usize| (from..(from + stride).min(record.len())).find(|&i| record.own_times.has(column, i));
+    (0..record.len()).step_by(stride).map(first).collect()
 }
 
 /// The samples at which the velocity of a place is at rest.
@@ -165,11 +181,17 @@ impl Base {
                         .collect()
                 }
             };
-            Row { column, values, weight: 1.0 / noise, known }
+            let at = counting(data, column, stride);
+            // As if every stretch had as many samples.
+            let share = (data.own_times.count(column, 0..data.len()) as f64
+                / (at.iter().flatten().count() * stride) as f64)
+                .min(1.0);
+            Row { column, values, weight: share.sqrt() / noise, at, known }
         };
         let rows = measured.zip(&noise[record]).map(row).collect();
-        let step = span / (samples - 1) as f64;
-        let left = fitted.records[record].residuals.iter().flat_map(|e| lines(e, step, 4, 0)).collect();
+        let own = &fitted.records[record];
+        let of = |k: usize| lines(&own.own_residual(k), data.step(k), 4, 0);
+        let left = (0..own.residuals.len()).flat_map(of).collect();
         let bare = model.without_effects();
         let drive = Drive::new(&bare.system, &bare.records[record]).map_or(vec![], |mut d| d.lines());
         Some(RegressionData { motion, linear, bracket, rows, readings, rates, stride, still, left, drive })
@@ -240,14 +262,14 @@ impl RegressionData {
     pub(super) fn missed(&self) -> Vec<f64> {
         let of = |row: &Row| -> Vec<f64> {
             let (gain, offset) = self.motion.sensors[row.column];
-            self.every(|i| row.weight * (row.values[i] - gain * row.known[i] - offset))
+            row.every(|i| row.weight * (row.values[i] - gain * row.known[i] - offset))
         };
         self.rows.iter().flat_map(of).collect()
     }
 
     /// Residuals of a run, by column.
     pub(super) fn weighted(&self, residuals: &[Vec<f64>]) -> Vec<f64> {
-        let of = |row: &Row| -> Vec<f64> { self.every(|i| row.weight * residuals[row.column][i]) };
+        let of = |row: &Row| -> Vec<f64> { row.every(|i| row.weight * residuals[row.column][i]) };
         self.rows.iter().flat_map(of).collect()
     }
 
@@ -258,11 +280,11 @@ impl RegressionData {
         let of = |row: &Row| -> Vec<f64> {
             let factor = row.weight * self.motion.sensors[row.column].0;
             match (row.column.checked_sub(n), &self.readings) {
-                (Some(output), Some(readings)) => self.every(|i| {
+                (Some(output), Some(readings)) => row.every(|i| {
                     let through = readings.through(output, i, &|k| states[i * n + k]);
                     factor * (through + readings.directly(output, i, &|k| g[i * n + k]))
                 }),
-                _ => self.every(|i| factor * states[i * n + row.column]),
+                _ => row.every(|i| factor * states[i * n + row.column]),
             }
         };
         self.rows.iter().flat_map(of).collect()
@@ -275,7 +297,7 @@ impl RegressionData {
         for (row, out) in self.rows.iter().zip(rows.chunks_mut(each)) {
             let Some(values) = row.column.checked_sub(n).and_then(of) else { continue };
             let factor = row.weight * self.motion.sensors[row.column].0;
-            let values = values.iter().step_by(self.stride);
+            let values = row.every(|i| values[i]);
             out.iter_mut().zip(values).for_each(|(o, v)| *o += if v.is_finite() { factor * v } else { 0.0 });
         }
     }
@@ -285,17 +307,12 @@ impl RegressionData {
         Some(&self.readings.as_ref()?.by_parameter[output][parameter])
     }
 
-    /// A value at every sample that counts.
-    fn every(&self, of: impl Fn(usize) -> f64) -> Vec<f64> {
-        (0..self.motion.samples()).step_by(self.stride).map(of).collect()
-    }
-
     /// The derivative of the readings by a sensor parameter of some columns: 0 offset, 1 gain, 2 delay, 3 clock.
     pub(super) fn sensor(&self, columns: &[usize], which: usize) -> Vec<f64> {
         let of = |row: &Row| -> Vec<f64> {
             let on = columns.contains(&row.column);
             let gain = self.motion.sensors[row.column].0;
-            self.every(|i| {
+            row.every(|i| {
                 let change = match which {
                     0 => 1.0,
                     // Proportional to the model's response; a column of the measured values themselves would

@@ -53,7 +53,7 @@ pub fn record(
         Some(_) => contradictions(csv, units, &header, &layout, spec),
         None => vec![],
     };
-    let warnings = warnings.into_iter().chain(slower(csv, &lines, spec)).collect();
+    let warnings = warnings.into_iter().chain(told_of_sheet(csv, &lines, spec)).collect();
     let own = own(csv, units, &lines, &layout, &header.names);
     let turns = csv.columns.iter().map(|(name, _)| Turns::of(csv, &name.value)).collect();
     let mut reader = Reader {
@@ -151,13 +151,10 @@ fn contradictions(
     units_differ.chain(swapped_columns(csv, spec)).collect()
 }
 
-/// Warnings for channels of the file that are slower than the rows.
-fn slower(csv: &CsvSpec, lines: &Lines<'_>, spec: SourceId) -> Vec<Diagnostic> {
+/// What is told of how the sheet was taken.
+fn told_of_sheet(csv: &CsvSpec, lines: &Lines<'_>, spec: SourceId) -> Vec<Diagnostic> {
     let notes = lines.sheet().map_or(&[][..], |sheet| &sheet.notes);
-    let warning = |note: &String| {
-        let d = Diagnostic::warning(note.clone()).at(spec, csv.time.header.span, "the times of the rows");
-        d.help("let `time` name the times of the slowest state: of faster channels those between two samples are left out")
-    };
+    let warning = |note: &String| Diagnostic::warning(note.clone()).at(spec, csv.path.span, "this file");
     notes.iter().map(warning).collect()
 }
 

@@ -38,6 +38,7 @@ fn ran(role: Role, nrmse: &[f64]) -> RecordFit {
         nrmse: nrmse.iter().map(|&e| ("x".into(), e)).collect(),
         noise: vec![],
         residuals: vec![],
+        own_times: Default::default(),
         start: vec![],
         run: Some(Trajectory::default()),
         failure: None,

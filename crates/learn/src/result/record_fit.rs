@@ -3,9 +3,11 @@
 use super::error::ModelError;
 use super::quantity::ParameterId;
 use crate::decisions::{HALF_WIDTH_95, NOISE_ONLY};
+use phisindy_phys::OwnTimes;
 use phisindy_phys::spec::Role;
 use phisindy_signal::noise_level;
 use phisindy_sim::Trajectory;
+use std::borrow::Cow;
 use std::ops::Range;
 
 /// What a Validate record was given of its own, and which part of the record that took: its start state
@@ -55,6 +57,8 @@ pub struct RecordFit {
     /// For each state, measured less predicted at the samples of the free run (SI); empty without a column or
     /// a run.
     pub residuals: Vec<Vec<f64>>,
+    /// Which of the samples each column has.
+    pub own_times: OwnTimes,
     /// Fitted start state (SI).
     pub start: Vec<f64>,
     /// The free run at the sample times; `None` if it failed.
@@ -75,6 +79,20 @@ impl RecordFit {
         if adapted < self.samples { adapted..self.samples } else { 0..self.samples }
     }
 
+    /// What the free run leaves of a column at its own samples.
+    pub fn own_residual(&self, column: usize) -> Cow<'_, [f64]> {
+        self.own_times.of(column, &self.residuals[column])
+    }
+
+    /// The residuals of each measured column over the samples that count.
+    fn scored_residuals(&self) -> impl Iterator<Item = Vec<f64>> {
+        let measured = (0..self.residuals.len()).filter(|&k| !self.residuals[k].is_empty());
+        measured.map(|k| {
+            let own = self.scored().filter(|&i| self.own_times.has(k, i));
+            own.map(|i| self.residuals[k][i]).collect()
+        })
+    }
+
     /// The largest NRMSE of all columns that are more than noise; infinite if the run failed. Of a rig at
     /// rest a column is noise, and so is what any model leaves of it.
     pub(crate) fn worst_of_motion(&self) -> f64 {
@@ -82,9 +100,7 @@ impl RecordFit {
             return f64::INFINITY;
         }
         let rms = |r: &[f64]| (r.iter().map(|e| e * e).sum::<f64>() / r.len() as f64).sqrt();
-        let scored = self.scored();
-        let residuals: Vec<&[f64]> =
-            self.residuals.iter().filter(|r| !r.is_empty()).map(|r| &r[scored.clone()]).collect();
+        let residuals: Vec<Vec<f64>> = self.scored_residuals().collect();
         // The column's standard deviation is that of the residual over the NRMSE.
         let rests =
             |k: usize, e: f64| residuals.get(k).is_some_and(|r| noise_level(r) * e > NOISE_ONLY * rms(r));
@@ -108,11 +124,11 @@ impl RecordFit {
         }
         let scored = self.scored();
         let sure = (1.0 - 2.0 * HALF_WIDTH_95 / (scored.len().max(1) as f64).sqrt()).max(0.0);
-        let mut residuals = self.residuals.iter().filter(|r| !r.is_empty());
+        let mut residuals = self.scored_residuals();
         let of = |(_, nrmse): &(String, f64)| {
-            let Some(residual) = residuals.next().map(|r| &r[scored.clone()]) else { return *nrmse };
+            let Some(residual) = residuals.next() else { return *nrmse };
             let power = residual.iter().map(|e| e * e).sum::<f64>() / residual.len() as f64;
-            let white = (noise_level(residual).powi(2) / power.max(f64::MIN_POSITIVE)).min(1.0);
+            let white = (noise_level(&residual).powi(2) / power.max(f64::MIN_POSITIVE)).min(1.0);
             let nothing = self.role == Role::Fit && white.sqrt() * nrmse > NOISE_ONLY;
             if nothing { *nrmse } else { nrmse * (1.0 - sure * white).sqrt() }
         };

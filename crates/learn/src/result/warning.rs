@@ -235,6 +235,7 @@ mod tests {
             nrmse: vec![("x".into(), 0.1)],
             noise: vec![],
             residuals: vec![],
+            own_times: Default::default(),
             start: vec![],
             run: None,
             segments: None,

@@ -14,8 +14,8 @@ struct Motion {
     quarter_period: usize,
 }
 
-/// A record beside what is left of one of its columns.
-type Remains<'a> = (&'a Motion, &'a [f64]);
+/// A record beside what is left of one of its columns, by sample.
+type Remains<'a> = (&'a Motion, &'a [(usize, f64)]);
 
 /// A moment of a record.
 struct Point {
@@ -36,15 +36,27 @@ pub(crate) fn columns_with_remains(
     let of = |k: usize| {
         let with = |r: &usize| records[*r].columns[k].is_some() && motions[*r].is_some();
         let shown: Vec<usize> = (0..records.len()).filter(with).collect();
-        let all: Vec<Remains<'_>> =
-            shown.iter().filter_map(|&r| Some((motions[r].as_ref()?, &fits[r].residuals[k][..]))).collect();
-        let power = |column: &[f64]| standard_deviation(column).powi(2) * column.len() as f64;
-        let size: f64 = shown.iter().filter_map(|&r| records[r].columns[k].as_deref()).map(power).sum();
-        let left: f64 = all.iter().flat_map(|(_, left)| left.iter()).map(|x| x * x).sum();
+        let remains: Vec<Vec<(usize, f64)>> = shown.iter().map(|&r| remains(&fits[r], k)).collect();
+        let all: Vec<Remains<'_>> = shown
+            .iter()
+            .zip(&remains)
+            .filter_map(|(&r, left)| Some((motions[r].as_ref()?, left.as_slice())))
+            .collect();
+        let power = |&r: &usize| {
+            records[r].deviation(k).powi(2) * records[r].own_times.count(k, 0..records[r].len()) as f64
+        };
+        let size: f64 = shown.iter().map(power).sum();
+        let left: f64 = all.iter().flat_map(|(_, left)| left.iter()).map(|(_, x)| x * x).sum();
         let follows = of_motion(&all);
         (follows > MOSTLY).then(|| (k, (follows * left / size).sqrt()))
     };
     (0..system.columns()).filter_map(of).collect()
+}
+
+/// What a free run leaves of a column, at its own samples.
+fn remains(fit: &RecordFit, column: usize) -> Vec<(usize, f64)> {
+    let all = fit.residuals[column].iter().copied().enumerate();
+    all.filter(|(i, _)| fit.own_times.has(column, *i)).collect()
 }
 
 /// The states of a free run and the inputs; none where it failed.
@@ -102,7 +114,8 @@ fn foretold(point: &Point, all: &[Point], lag: usize) -> (f64, f64) {
 
 fn points(records: &[Remains<'_>]) -> Vec<Point> {
     let samples: usize = records.iter().map(|(_, left)| left.len()).sum();
-    let mean = records.iter().flat_map(|(_, left)| left.iter()).sum::<f64>() / samples.max(1) as f64;
+    let all = records.iter().flat_map(|(_, left)| left.iter());
+    let mean = all.map(|(_, left)| left).sum::<f64>() / samples.max(1) as f64;
     let step = samples.div_ceil(ANALOGUE_POINTS).max(1);
     let columns = records.first().map_or(0, |(motion, _)| motion.columns.len());
     let size = |k: usize| {
@@ -119,8 +132,10 @@ fn points(records: &[Remains<'_>]) -> Vec<Point> {
                 .map(|(k, at)| motion.columns[k][at] / sizes[k])
                 .collect()
         };
-        let point = |sample| Point { record, sample, history: history(sample), left: left[sample] - mean };
-        ((ANALOGUE_LAGS - 1) * lag..left.len()).step_by(step).map(point).collect()
+        let known = left.iter().filter(|(sample, _)| *sample >= (ANALOGUE_LAGS - 1) * lag);
+        let point =
+            |&(sample, left): &_| Point { record, sample, history: history(sample), left: left - mean };
+        known.step_by(step).map(point).collect()
     };
     records.iter().enumerate().flat_map(of).collect()
 }
@@ -134,7 +149,8 @@ mod tests {
         let time = (0..3000).map(|i| 0.02 * f64::from(i));
         let (x, v): (Vec<f64>, Vec<f64>) =
             time.map(|t| (t.sin() + 0.5 * (2.6 * t).cos(), t.cos() - 1.3 * (2.6 * t).sin())).unzip();
-        let left: Vec<f64> = x.iter().copied().zip(v.iter().copied()).enumerate().map(left).collect();
+        let moments = x.iter().copied().zip(v.iter().copied()).enumerate();
+        let left: Vec<(usize, f64)> = moments.map(left).enumerate().collect();
         of_motion(&[(&Motion::new(vec![x, v]), &left)])
     }
 

@@ -482,9 +482,8 @@ fn cost_after_few_iterations(
     let mut x = problem.guess(&[], None, starts);
     let weights = problem.weights(noise, None);
     let normal = problem.minimise(&mut x, &weights, Limits::of(minimum)).ok()?;
-    let columns = |r: usize| problem.records[r].columns.iter().flatten().count();
-    let samples: usize =
-        problem.segments.iter().map(|s| (s.samples.1 - s.samples.0) * columns(s.record)).sum();
+    let readings = |s: &Segment| problem.records[s.record].readings_of(s.samples.0..s.samples.1);
+    let samples: usize = problem.segments.iter().map(readings).sum();
     Some(SegmentFit { cost: normal.cost / samples.max(1) as f64, x })
 }
 

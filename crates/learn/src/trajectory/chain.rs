@@ -15,12 +15,11 @@ use crate::trajectory::chain_selection::{Criterion, addition, select_on_chain};
 use crate::trajectory::fit::{Context, Fit, transfer};
 use crate::trajectory::initial::Regression;
 use crate::trajectory::layout::Segment;
-use crate::trajectory::noise::{ColumnNoise, least_noise};
+use crate::trajectory::noise::{ColumnNoise, least_noise_of};
 use crate::trajectory::problem::{Noise, Problem};
 use crate::trajectory::select::Selection;
 use phisindy_phys::Record;
 use phisindy_phys::spec::SegmentsSpec;
-use phisindy_signal::noise_level_at;
 use std::iter::successors;
 
 impl<'a> Context<'a> {
@@ -139,9 +138,7 @@ impl<'a> Context<'a> {
     pub(crate) fn spectral_noise(&self) -> Noise {
         let of = |r: usize, k: usize| {
             let record = self.records[r];
-            let least = |c: &Vec<f64>| least_noise(c, record.rounding(k), NOISE_FLOOR);
-            let of = |c: &Vec<f64>| noise_level_at(&record.time, c).max(least(c));
-            let level = record.columns[k].as_ref().map_or(0.0, of);
+            let level = record.noise_level(k).max(least_noise_of(record, k, NOISE_FLOOR));
             ColumnNoise { additive: level.max(f64::MIN_POSITIVE), relative: 0.0 }
         };
         (0..self.records.len()).map(|r| (0..self.system.columns()).map(|k| of(r, k)).collect()).collect()

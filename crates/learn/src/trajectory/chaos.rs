@@ -44,8 +44,10 @@ impl Chaos {
                 if nrmse > out.nrmse {
                     (out.nrmse, out.noise) = (nrmse, noise / deviation);
                 }
-                let run: Vec<f64> = column.iter().zip(&free.residuals[k]).map(|(x, e)| x - e).collect();
-                out.mean = out.mean.max(distance_of_means(column, &run));
+                let column = problem.records[r].own_times.of(k, column);
+                let run: Vec<f64> =
+                    column.iter().zip(free.own_residual(k).iter()).map(|(x, e)| x - e).collect();
+                out.mean = out.mean.max(distance_of_means(&column, &run));
                 let size = (standard_deviation(&run).powi(2) + noise * noise).sqrt() / deviation;
                 out.size = out.size.max(size).max(1.0 / size);
             }

@@ -442,7 +442,7 @@ impl Problem<'_> {
         let [offset_at, gain_at, delay_at, clock_at] = sensor_slots[k];
         let record = self.records[r];
         let age = |i: usize| record.time[segment.samples.0 + i] - record.sensors[k].since;
-        for i in mean.samples() {
+        for &i in mean.samples() {
             let (value, rate) = sampled.value(i, k);
             row.iter_mut().zip(sampled.sensitivities(i, k)).for_each(|(j, s)| *j += factor * s);
             if offset_at != usize::MAX {
@@ -463,7 +463,7 @@ impl Problem<'_> {
             row[delay_at] -= mean.loss();
         }
         if clock_at != usize::MAX {
-            let middle = mean.samples().len() / 2 + mean.samples().start;
+            let middle = mean.samples()[mean.samples().len() / 2];
             row[clock_at] += mean.loss() * age(middle);
         }
     }

@@ -540,7 +540,8 @@ impl Fit<'_> {
     /// Twice the negative logarithm of the likelihood but for a constant; `None` of a fit in segments.
     pub(crate) fn deviance(&self) -> Option<f64> {
         let weights = self.weights.iter().flatten().flatten();
-        (self.most_pieces() == 1).then(|| self.normal.cost - weights.map(|w| w.ln()).sum::<f64>())
+        let own = weights.filter(|w| **w > 0.0);
+        (self.most_pieces() == 1).then(|| self.normal.cost - own.map(|w| w.ln()).sum::<f64>())
     }
 
     /// Factor on variances for correlated residuals: 1 for white noise.

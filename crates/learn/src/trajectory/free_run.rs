@@ -12,7 +12,7 @@ use faer::Mat;
 use phisindy_phys::spec::Role;
 use phisindy_phys::unit::Unit;
 use phisindy_phys::{Record, System};
-use phisindy_signal::{noise_level_at, standard_deviation};
+use phisindy_signal::standard_deviation;
 use phisindy_sim::{Options, SimError, Trajectory};
 
 /// A model with all its numbers.
@@ -93,6 +93,7 @@ fn one(
         nrmse: vec![],
         noise: vec![],
         residuals: vec![vec![]; record.columns.len()],
+        own_times: record.own_times.clone(),
         start: vec![],
         run: None,
         failure: None,
@@ -135,12 +136,12 @@ fn one(
     for (k, column) in record.columns.iter().enumerate() {
         let Some(column) = column else { continue };
         let name = system.measured(k).0.to_owned();
-        let deviation = size_of_motion(&column[scored.clone()], k, records);
-        let missed = column.iter().zip(&read.readings[k]).map(|(y, p)| (y - p).powi(2));
-        let missed = missed.skip(scored.start).take(scored.len()).sum::<f64>();
-        let rms = (missed / scored.len() as f64).sqrt();
+        let own: Vec<usize> = scored.clone().filter(|&i| record.own_times.has(k, i)).collect();
+        let deviation = size_of_motion(own.iter().map(|&i| column[i]).collect(), k, records);
+        let missed: f64 = own.iter().map(|&i| (column[i] - read.readings[k][i]).powi(2)).sum();
+        let rms = (missed / own.len() as f64).sqrt();
         fit.nrmse.push((name.clone(), if deviation > 0.0 { rms / deviation } else { f64::INFINITY }));
-        fit.noise.push((name, noise_level_at(&record.time, column)));
+        fit.noise.push((name, record.noise_level(k)));
         fit.residuals[k].clone_from(&read.residuals[k]);
     }
     fit.run = Some(run);
@@ -149,13 +150,12 @@ fn one(
 
 /// The standard deviation of some samples of a column; where they stand still, that of the column in the
 /// record in which it moves most: what rests has no size of its own to compare a miss with.
-fn size_of_motion(samples: &[f64], column: usize, records: &[Record]) -> f64 {
-    let own = standard_deviation(samples);
+fn size_of_motion(samples: Vec<f64>, column: usize, records: &[Record]) -> f64 {
+    let own = standard_deviation(&samples);
     if samples.iter().any(|s| *s != samples[0]) {
         return own;
     }
-    let columns = records.iter().filter_map(|r| r.columns[column].as_ref());
-    columns.map(|c| standard_deviation(c)).fold(0.0, f64::max)
+    records.iter().map(|r| r.deviation(column)).fold(0.0, f64::max)
 }
 
 type Run = (Read, Vec<f64>, Trajectory);
@@ -203,12 +203,9 @@ fn expect_starts(problem: &mut Problem<'_>, record: &Record, done: &[RecordFit])
             problem.priors.push((first + k, mean(&values), spread));
         }
     }
-    let columns = record.columns.iter().zip(&problem.deviations[0]);
-    let noise = |(column, deviation): (&Option<Vec<f64>>, &f64)| {
-        Some((noise_level_at(&record.time, column.as_ref()?) / deviation).powi(2))
-            .filter(|part| part.is_finite())
-    };
-    let parts: Vec<f64> = columns.filter_map(noise).collect();
+    let measured = (0..record.columns.len()).filter(|&k| record.columns[k].is_some());
+    let noise = measured.map(|k| (record.noise_level(k) / problem.deviations[0][k]).powi(2));
+    let parts: Vec<f64> = noise.filter(|part| part.is_finite()).collect();
     problem.belief = mean(&parts).max(f64::MIN_POSITIVE);
 }
 

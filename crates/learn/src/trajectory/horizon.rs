@@ -15,7 +15,7 @@ use crate::trajectory::layout::Segment;
 use crate::trajectory::problem::Problem;
 use phisindy_phys::spec::Role;
 use phisindy_phys::{Record, System};
-use phisindy_signal::{mean_step, standard_deviation};
+use phisindy_signal::mean_step;
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -41,15 +41,16 @@ pub(crate) fn horizons(
         let step = mean_step(&record.time);
         let mut all = vec![];
         for k in (0..record.columns.len()).filter(|&k| record.columns[k].is_some()) {
-            let deviation = standard_deviation(record.columns[k].as_ref().expect("a column"));
+            let deviation = record.deviation(k);
+            let part = |of: &Missed, steps: &Range<usize>| part(of, (record, k), &starts, steps, deviation);
             for steps in horizons_of(record.len()) {
-                let Some(nrmse) = part(&missed, k, &steps, deviation) else { continue };
+                let Some(nrmse) = part(&missed, &steps) else { continue };
                 all.push(Horizon {
                     record: record.name.clone(),
                     column: system.measured(k).0.to_owned(),
                     seconds: step * (steps.end - 1) as f64,
                     nrmse,
-                    baseline: part(&baseline, k, &steps, deviation),
+                    baseline: part(&baseline, &steps),
                 });
             }
         }
@@ -79,9 +80,19 @@ fn horizons_of(samples: usize) -> Vec<Range<usize>> {
 }
 
 /// Root mean square of what is missed so many steps ahead, in parts of the deviation.
-fn part(missed: &Missed, column: usize, steps: &Range<usize>, deviation: f64) -> Option<f64> {
-    let seen = missed.iter().filter_map(|of| of.get(column)?.get(steps.clone()));
-    let squares: Vec<f64> = seen.flatten().map(|e| e * e).collect();
+fn part(
+    missed: &Missed,
+    (record, column): (&Record, usize),
+    starts: &[usize],
+    steps: &Range<usize>,
+    deviation: f64,
+) -> Option<f64> {
+    let seen = missed.iter().zip(starts).flat_map(|(of, start)| {
+        let own = of.get(column).and_then(|of| of.get(steps.clone())).unwrap_or(&[]);
+        let sample = start + steps.start;
+        own.iter().enumerate().filter(move |(i, _)| record.own_times.has(column, sample + i)).map(|(_, e)| e)
+    });
+    let squares: Vec<f64> = seen.map(|e| e * e).collect();
     let rms = (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt();
     (!squares.is_empty() && deviation > 0.0 && rms.is_finite()).then(|| rms / deviation)
 }
@@ -142,7 +153,7 @@ struct Autoregression {
 }
 
 impl Autoregression {
-    /// By least squares over the records; `None` where these have no common columns or no even steps.
+    /// By least squares over the records; `None` where these have no common columns, no common times or no even steps.
     fn fitted(system: &System, records: &[&Record]) -> Option<Autoregression> {
         let has = |k: &usize| records.iter().all(|r| r.columns[*k].is_some());
         let columns: Vec<usize> = (0..system.columns()).filter(has).collect();
@@ -150,7 +161,7 @@ impl Autoregression {
             let step = mean_step(&r.time);
             r.time.windows(2).all(|t| ((t[1] - t[0]) / step - 1.0).abs() < EVEN)
         };
-        if columns.is_empty() || !records.iter().all(even) {
+        if columns.is_empty() || !records.iter().all(|r| even(r) && r.own_times.are_common()) {
             return None;
         }
         let lags = system.states.len().div_ceil(columns.len()).max(1);

@@ -9,7 +9,7 @@ use crate::linear::{solve_damped, symmetric};
 use crate::trajectory::kalman_smoother::{estimated_states, reads_outputs};
 use phisindy_expr::{Id, Scratch, Tape, Unary};
 use phisindy_phys::{Record, System};
-use phisindy_signal::{Differentiator, differentiate, standard_deviation};
+use phisindy_signal::{Differentiator, standard_deviation};
 use rayon::prelude::*;
 
 /// The records with the sizes of states that only outputs tell, from what [`smoothed`] makes of them.
@@ -38,10 +38,9 @@ pub fn smoothed(system: &System, record: &Record) -> Record {
 /// state is and not what its sensor reads, as far as offset and gain are known. States that only outputs tell stay
 /// without: fits start them at rest.
 pub fn differentiated(system: &System, record: &Record) -> Record {
-    let derived = record
-        .columns
-        .par_iter()
-        .map(|values| differentiate(&record.time, values.as_ref()?, Differentiator::Spline).ok());
+    let derived = (0..record.columns.len())
+        .into_par_iter()
+        .map(|k| record.differentiated(k, Differentiator::Spline)?.ok());
     let derived: Vec<_> = derived.collect();
     let mut out = record.clone();
     for (k, d) in derived.into_iter().enumerate().filter_map(|(k, d)| Some((k, d?))) {

@@ -10,7 +10,6 @@
 use crate::trajectory::delayed_samples::SampledRun;
 use crate::trajectory::layout::Segment;
 use crate::trajectory::problem::Problem;
-use phisindy_signal::mean_step;
 use phisindy_sim::Jump;
 
 /// What a sample of a column leaves, in the unit of the column.
@@ -92,7 +91,7 @@ impl Problem<'_> {
             return None;
         }
         let record = self.records[segment.record];
-        let step = mean_step(&record.time);
+        let step = self.steps[segment.record][column];
         let time = self.lateness(segment.record, column, x).shown(record.time[sample]);
         let (_, gain) = self.reading(segment.record, column, x, 0.0);
         Some(Sample { jumps, output, gain, time, step, noise })

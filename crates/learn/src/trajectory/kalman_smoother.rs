@@ -15,7 +15,7 @@ use faer::Mat;
 use faer::linalg::solvers::Solve;
 use phisindy_expr::{Graph, Id, Node, Scratch, Tape, Unary};
 use phisindy_phys::{Record, System};
-use phisindy_signal::{Interpolation, lowest_frequency, noise_level_at};
+use phisindy_signal::{Interpolation, lowest_frequency};
 use rayon::prelude::*;
 use std::collections::HashMap;
 
@@ -79,8 +79,8 @@ struct Filter<'a> {
     forces: usize,
     /// Below this frequency (rad/s) the forces have nothing; 0 where a state is measured.
     lowest: f64,
-    /// Measured columns (corrected for their sensors) and their variances.
-    columns: Vec<(Vec<f64>, f64)>,
+    /// The measured columns, each with its values (corrected for its sensor) and their variance.
+    columns: Vec<(usize, Vec<f64>, f64)>,
     /// Rates of the states, their derivatives by states and forces, then outputs and theirs.
     tape: Tape,
     numbers: Vec<f64>,
@@ -124,9 +124,9 @@ impl<'a> Filter<'a> {
         let measured: Vec<usize> = (0..read.len()).filter(|&k| record.columns[k].is_some()).collect();
         let columns = measured.iter().map(|&k| {
             let column = record.columns[k].clone().unwrap_or_default();
-            let variance = (noise_level_at(&record.time, &column) / record.sensors[k].gain.start).powi(2);
+            let variance = (record.noise_level(k) / record.sensors[k].gain.start).powi(2);
             let column = record.sensors[k].corrected(&record.time, column, Interpolation::Cubic).ok()?;
-            Some((column, variance.max(f64::MIN_POSITIVE)))
+            Some((k, column, variance.max(f64::MIN_POSITIVE)))
         });
         let columns: Vec<_> = columns.collect::<Option<_>>()?;
         let moving: Vec<Id> = system.states.iter().map(|s| s.node).chain(forces.iter().copied()).collect();
@@ -140,11 +140,18 @@ impl<'a> Filter<'a> {
         let tape = Tape::compile(&graph, &arguments, &roots).ok()?;
         let numbers: Vec<f64> = system.parameters.iter().map(|p| p.start).collect();
         let still = (0..n).any(|k| record.columns[k].is_some());
-        let of = |c: &Option<Vec<f64>>| c.as_ref().map(|c| lowest_frequency(&record.time, c));
-        let lowest = record.columns[n..].iter().filter_map(of).fold(f64::INFINITY, f64::min);
+        let of = |k: usize| record.own_column(k).map(|(time, values)| lowest_frequency(&time, &values));
+        let lowest = (n..record.columns.len()).filter_map(of).fold(f64::INFINITY, f64::min);
         let lowest = if still { 0.0 } else { lowest };
         let width = n + STAGES * forced.len();
         Some(Filter { record, n, width, forces: forced.len(), lowest, columns, tape, numbers })
+    }
+
+    /// The columns that have a sample there: the place, values and variance of each.
+    fn sampled_at(&self, sample: usize) -> impl Iterator<Item = (usize, &[f64], f64)> {
+        let all = self.columns.iter().enumerate();
+        let own = all.filter(move |(_, (column, ..))| self.record.own_times.has(*column, sample));
+        own.map(|(k, (_, values, variance))| (k, values.as_slice(), *variance))
     }
 
     /// Evaluates the tape at a sample.
@@ -172,7 +179,7 @@ impl<'a> Filter<'a> {
             out.predicted.push((x.clone(), p.clone()));
             self.at(&mut scratch, i, &x)?;
             // One column after the other: their noise is independent.
-            for (k, (column, variance)) in self.columns.iter().enumerate() {
+            for (k, column, variance) in self.sampled_at(i) {
                 let first = n + (n + self.columns.len()) * w;
                 let row = Mat::from_fn(1, w, |_, j| scratch.output(n + (n + k) * w + j)[0]);
                 let mut predicted = scratch.output(first + k)[0];
@@ -244,7 +251,7 @@ impl<'a> Filter<'a> {
         let mut sum = 0.0;
         for (i, x) in all.iter().enumerate() {
             self.at(&mut scratch, i, x)?;
-            for (k, (column, variance)) in self.columns.iter().enumerate() {
+            for (k, column, variance) in self.sampled_at(i) {
                 sum += (column[i] - scratch.output(first + k)[0]).powi(2) / variance;
             }
         }

@@ -6,6 +6,7 @@
 
 use crate::decisions::{MIXED_NOISE, NOISE_GAIN, NOISE_ITERATIONS, NOISE_RANK};
 use crate::result::identified::NoiseModel;
+use phisindy_phys::Record;
 use phisindy_signal::standard_deviation;
 
 /// Variance of one column.
@@ -96,6 +97,11 @@ impl ColumnNoise {
             NoiseModel::Mixed
         }
     }
+}
+
+/// As [`least_noise`], of a column of a record; 0 without one.
+pub(crate) fn least_noise_of(record: &Record, column: usize, part: f64) -> f64 {
+    record.own_column(column).map_or(0.0, |(_, values)| least_noise(&values, record.rounding(column), part))
 }
 
 /// The least noise of a column: this part of its motion, and the rounding of its last digit (`step/sqrt(12)`,

@@ -8,9 +8,9 @@ use crate::trajectory::filter::Gains;
 use crate::trajectory::follower::Follower;
 use crate::trajectory::input_sensors::InputSensors;
 use crate::trajectory::layout::{CLOCK, DELAY, Layout, Segment, Source};
-use crate::trajectory::noise::{ColumnNoise, least_noise};
+use crate::trajectory::noise::{ColumnNoise, least_noise_of};
 use phisindy_phys::{Record, System};
-use phisindy_signal::{Signal, mean_step, noise_level_at, standard_deviation};
+use phisindy_signal::{Signal, mean_step};
 use phisindy_sim::{Automaton, Drive, Observer, Options, SimError, Stop, Trajectory, observe, simulate};
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -45,6 +45,8 @@ pub(crate) struct Problem<'a> {
     /// Noise of each output's column from its spectrum, by record and column: how far a sample may be from
     /// either side of a jump.
     pub(crate) jump_noise: Vec<Vec<f64>>,
+    /// By record and column, the mean time between samples.
+    pub(crate) steps: Vec<Vec<f64>>,
     /// Soft continuity: by how much each state may jump from one segment to the next; `None` leaves the start
     /// states free.
     pub(crate) continuity: Option<Vec<f64>>,
@@ -75,7 +77,7 @@ pub(crate) enum Meaning {
 /// Noise of each record and column.
 pub(crate) type Noise = Vec<Vec<ColumnNoise>>;
 
-/// Residuals and predictions of one column of one record.
+/// Residuals and predictions of one column of one record, at its own samples.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ColumnResidual {
     pub(crate) residual: Vec<f64>,
@@ -95,19 +97,16 @@ impl<'a> Problem<'a> {
         let automaton =
             Automaton::new(&with_sensors).map_err(|e| ModelError::Unbound(e.message(&with_sensors.names)))?;
         let Layout { bounds, priors, model, sensors, segments } = Layout::new(system, terms, records, pieces);
-        let deviations: Vec<Vec<f64>> = records
-            .iter()
-            .map(|r| r.columns.iter().map(|c| c.as_ref().map_or(0.0, |c| standard_deviation(c))).collect())
-            .collect();
+        let deviations: Vec<Vec<f64>> =
+            records.iter().map(|r| (0..r.columns.len()).map(|k| r.deviation(k)).collect()).collect();
         let states = system.states.len();
         let level = |r: &Record, k: usize| match &r.columns[k] {
-            Some(c) if k >= states => {
-                noise_level_at(&r.time, c).max(least_noise(c, r.rounding(k), NOISE_FLOOR))
-            }
+            Some(_) if k >= states => r.noise_level(k).max(least_noise_of(r, k, NOISE_FLOOR)),
             _ => 1.0,
         };
         let jump_noise =
             records.iter().map(|r| (0..r.columns.len()).map(|k| level(r, k)).collect()).collect();
+        let steps = records.iter().map(|r| (0..r.columns.len()).map(|k| r.step(k)).collect()).collect();
         let mut problem = Problem {
             system,
             terms: terms.to_vec(),
@@ -126,6 +125,7 @@ impl<'a> Problem<'a> {
             reach: vec![],
             deviations,
             jump_noise,
+            steps,
             continuity: None,
             chained: false,
             following: None,
@@ -233,12 +233,13 @@ impl<'a> Problem<'a> {
         self.input_sensors.inputs.iter().map(|j| self.lateness(record, n + j, x)).collect()
     }
 
-    /// Whether a sample tells of the model: it shows what was after the start of the record, driven by what is known.
+    /// Whether a sample tells of the model: the column has it, and it shows what was after the start of the record, driven
+    /// by what is known.
     /// What a late input did before its first sample nobody knows, and where the record starts a late sensor shows what
     /// was before. Where numbers of sensors are to be found it goes by where a minimisation starts: samples that come and
     /// go with a delay would be a reason to change it.
     pub(crate) fn tells(&self, record: usize, column: usize, sample: usize) -> bool {
-        sample >= self.told_from[record][column]
+        sample >= self.told_from[record][column] && self.records[record].own_times.has(column, sample)
     }
 
     /// Lets these samples tell of the model that do so with the numbers `x`.
@@ -467,6 +468,9 @@ impl<'a> Problem<'a> {
             for (i, sample) in (segment.samples.0..segment.samples.1).enumerate() {
                 for (k, column) in self.records[segment.record].columns.iter().enumerate() {
                     let Some(column) = column else { continue };
+                    if !self.records[segment.record].own_times.has(k, sample) {
+                        continue;
+                    }
                     let (prediction, _) = self.reading(segment.record, k, x, run.value(i, k).0);
                     let miss = prediction - column[sample];
                     let noise = self.jump_noise[segment.record][k];
@@ -494,7 +498,7 @@ impl<'a> Problem<'a> {
             .collect()
     }
 
-    /// Weights `1 / variance` of every sample.
+    /// Weights `1 / variance` of every sample; zero where a column has none of its own.
     pub(crate) fn weights(
         &self,
         noise: &Noise,
@@ -505,10 +509,15 @@ impl<'a> Problem<'a> {
                 (0..self.system.columns())
                     .map(|k| {
                         let Some(column) = &self.records[r].columns[k] else { return vec![] };
-                        let predictions = residuals.map(|all| &all[r][k].prediction);
-                        (0..column.len())
-                            .map(|i| 1.0 / noise[r][k].variance(predictions.map_or(column[i], |p| p[i])))
-                            .collect()
+                        let mut predictions = residuals.map(|all| all[r][k].prediction.iter());
+                        let weight = |(i, read): (usize, &f64)| {
+                            if !self.records[r].own_times.has(k, i) {
+                                return 0.0;
+                            }
+                            let predicted = predictions.as_mut().and_then(|all| all.next());
+                            1.0 / noise[r][k].variance(*predicted.unwrap_or(read))
+                        };
+                        column.iter().enumerate().map(weight).collect()
                     })
                     .collect()
             })
@@ -520,10 +529,10 @@ impl<'a> Problem<'a> {
         let of = |r: usize, k: usize| {
             let c = &residuals[r][k];
             let record = self.records[r];
-            let floor =
-                record.columns[k].as_deref().map_or(0.0, |c| least_noise(c, record.rounding(k), NOISE_FLOOR));
+            let floor = least_noise_of(record, k, NOISE_FLOOR);
             // What is not compared leaves nothing, and tells no noise.
-            let from = self.told_from[r][k].min(c.residual.len());
+            let from = self.told_from[r][k];
+            let from = (0..from).filter(|&i| record.own_times.has(k, i)).count().min(c.residual.len());
             ColumnNoise::estimate(&c.residual[from..], &c.prediction[from..], floor)
         };
         (0..self.records.len()).map(|r| (0..self.system.columns()).map(|k| of(r, k)).collect()).collect()

@@ -14,13 +14,13 @@ use crate::trajectory::error_bars::ErrorBars;
 use crate::trajectory::filter::{Filter, Gains, Group, Pass, driven};
 use crate::trajectory::fit::{Context, Fit, transfer};
 use crate::trajectory::kalman_smoother::reads_outputs;
-use crate::trajectory::noise::{ColumnNoise, least_noise};
+use crate::trajectory::noise::{ColumnNoise, least_noise_of};
 use crate::trajectory::problem::{Noise, Problem};
 use crate::trajectory::remainder::remainders;
 use crate::trajectory::tally::{Tally, weighed};
 use phisindy_phys::spec::SegmentsSpec;
 use phisindy_phys::{Record, System};
-use phisindy_signal::{mean_step, noise_level_at};
+use phisindy_signal::mean_step;
 use rayon::prelude::*;
 
 /// White forces on the rates of states.
@@ -72,7 +72,8 @@ impl Problem<'_> {
         let segment = self.segments.iter().find(|s| s.record == record)?;
         let samples = self.delayed_samples(segment, x);
         let of = self.records[record];
-        let due = samples.due(|k| of.columns[k].is_some());
+        let mut due = samples.due(|k| of.columns[k].is_some());
+        due.iter_mut().for_each(|due| due.retain(|read| of.own_times.has(read.column, read.sample)));
         let variance = |column: usize, read: f64| noise[record][column].variance(read);
         let place = (samples.times.clone(), due.clone());
         let mut filter = Filter::new(self, record, x, place, (groups, intensities), &variance);
@@ -116,9 +117,7 @@ impl<'a> Context<'a> {
     /// The noise of each column by its spectrum above the motion.
     fn noise_above_the_motion(&self, problem: &Problem<'_>) -> Noise {
         let of = |r: &Record, k: usize| {
-            let level = r.columns[k].as_ref().map_or(0.0, |c| {
-                noise_level_at(&r.time, c).max(least_noise(c, r.rounding(k), SHARPEST_SENSOR))
-            });
+            let level = r.noise_level(k).max(least_noise_of(r, k, SHARPEST_SENSOR));
             ColumnNoise { additive: level.max(f64::MIN_POSITIVE), relative: 0.0 }
         };
         let row = |r: &&Record| (0..r.columns.len()).map(|k| of(r, k)).collect();
@@ -226,9 +225,7 @@ impl<'a> Context<'a> {
             at.extend(measured.iter().map(|_| 0.0));
             // The likelihood has no bound where a sensor has no noise.
             let floor = |k: usize| {
-                let least = record.columns[k].as_ref().map_or(0.0, |c| {
-                    least_noise(c, record.rounding(k), SHARPEST_SENSOR).max(f64::MIN_POSITIVE)
-                });
+                let least = least_noise_of(record, k, SHARPEST_SENSOR);
                 (least.powi(2) / noise[r][k].variance(problem.deviations[r][k])).ln().min(0.0)
             };
             let lowest: Vec<f64> =

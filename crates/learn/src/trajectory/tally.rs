@@ -50,7 +50,8 @@ pub(crate) fn whitened_by(
     residuals.iter().zip(weights).flat_map(|(columns, weights)| columns.iter().zip(weights)).filter_map(
         |(c, weights)| {
             let scaled = |(e, w): (&f64, &f64)| e * w.sqrt();
-            (!c.residual.is_empty()).then(|| c.residual.iter().zip(weights).map(scaled).collect())
+            let own = weights.iter().filter(|w| **w > 0.0);
+            (!c.residual.is_empty()).then(|| c.residual.iter().zip(own).map(scaled).collect())
         },
     )
 }

@@ -12,14 +12,13 @@ use crate::trajectory::delayed_samples::SampledRun;
 use crate::trajectory::kalman_smoother::reads_outputs;
 use crate::trajectory::layout::Segment;
 use crate::trajectory::problem::Problem;
-use phisindy_signal::mean_step;
 use phisindy_sim::Jump;
 
 /// A window of samples of a column in a segment.
 pub(crate) struct Window<'r> {
     pub(crate) column: usize,
-    /// Its first sample, and the one after its last, counted in the segment.
-    samples: (usize, usize),
+    /// Its samples, counted in the segment.
+    samples: Vec<usize>,
     /// The weighted difference of the means.
     pub(crate) miss: f64,
     /// By this a sum over the samples is weighted.
@@ -32,8 +31,8 @@ pub(crate) struct Window<'r> {
 
 impl Window<'_> {
     /// The samples, counted in the segment.
-    pub(crate) fn samples(&self) -> std::ops::Range<usize> {
-        self.samples.0..self.samples.1
+    pub(crate) fn samples(&self) -> &[usize] {
+        &self.samples
     }
 
     /// Adds what the events contribute to the derivatives of the sum by the unknowns of the run.
@@ -94,8 +93,6 @@ impl Problem<'_> {
     ) -> Vec<Window<'r>> {
         let record = self.records[segment.record];
         let (first, last) = segment.samples;
-        let step = mean_step(&record.time);
-        let length = window.min(last - first);
         let mut out = Vec::new();
         for (k, column) in record.columns.iter().enumerate() {
             let Some(column) = column.as_ref().filter(|_| self.is_averaged(k, window)) else { continue };
@@ -103,30 +100,34 @@ impl Problem<'_> {
             let (_, gain) = self.reading(segment.record, k, x, 0.0);
             let late = self.lateness(segment.record, k, x);
             let shown: Vec<&Jump> = sampled.run.jumps.iter().filter(|j| j.by[output] != 0.0).collect();
+            let step = self.steps[segment.record][k];
+            let own: Vec<usize> = (0..last - first).filter(|i| record.own_times.has(k, first + i)).collect();
+            let length = window.min(own.len());
             let mut from = 0;
-            while from + length <= last - first {
-                let to = from + length;
+            while from + length <= own.len() && length > 0 {
+                let samples = &own[from..from + length];
                 let time = |i: usize| late.shown(record.time[first + i]);
-                let (begin, end) = (time(from) - 0.5 * step, time(to - 1) + 0.5 * step);
-                let sum: f64 = (from..to)
-                    .map(|i| self.reading(segment.record, k, x, sampled.value(i, k).0).0 - column[first + i])
-                    .sum();
-                let weight =
-                    (from..to).map(|i| weights[segment.record][k][first + i]).sum::<f64>() / length as f64;
+                let (begin, end) = (time(samples[0]) - 0.5 * step, time(samples[length - 1]) + 0.5 * step);
+                let miss = |&i: &usize| {
+                    self.reading(segment.record, k, x, sampled.value(i, k).0).0 - column[first + i]
+                };
+                let sum: f64 = samples.iter().map(miss).sum();
+                let weight = samples.iter().map(|i| weights[segment.record][k][first + i]).sum::<f64>()
+                    / length as f64;
                 // The mean has a variance of 1/length, and half of its samples are those of the next window.
                 let factor = (weight / (2.0 * length as f64)).sqrt();
                 let events = shown.iter().filter(|j| j.time >= begin && j.time < end);
                 let events: Vec<(&Jump, f64)> = events.map(|j| (*j, gain * j.by[output])).collect();
                 // The sum has each sample stand for an interval around it; an event within one parts it.
                 let parted = |(jump, by): &(&Jump, f64)| {
-                    let after = (from..to).find(|&i| time(i) > jump.time).unwrap_or(to);
-                    let middle = begin + (after - from) as f64 * step;
+                    let before = samples.partition_point(|&i| time(i) <= jump.time);
+                    let middle = begin + before as f64 * step;
                     by * (middle - jump.time) / step
                 };
                 let parts: f64 = events.iter().map(parted).sum();
                 out.push(Window {
                     column: k,
-                    samples: (from, to),
+                    samples: samples.to_vec(),
                     miss: factor * (sum + parts),
                     factor,
                     events,

@@ -17,7 +17,7 @@ use phisindy_phys::{
     Case, Diagnostic, Note, Origin, Record, RecordPlan, Severity, SourceId, Sources, Table, Units,
     link_continuations, overlaps, suspicions, unit::Unit,
 };
-use phisindy_signal::{Interpolation, Signal, strongest_line};
+use phisindy_signal::{Interpolation, Signal, mean_step, strongest_line};
 use phisindy_sim::{SyntheticError, Trajectory, synthesize};
 use std::fs::File;
 use std::io::{self, Read};
@@ -554,10 +554,12 @@ fn omission(csv: &CsvSpec, table: &Table) -> Option<Note> {
 fn decimation(csv: &CsvSpec, record: &Record) -> Option<Note> {
     let rows = csv.decimate.as_ref().map(|d| d.value).filter(|n| *n > 1)?;
     // A mean over a stretch takes (pi f stretch)^2/6 off a sine.
-    let step = (record.time[record.len() - 1] - record.time[0]) / (record.len() - 1).max(1) as f64;
-    let main = record.columns.iter().flatten().filter_map(|c| strongest_line(&record.time, c));
-    let loss =
-        main.map(|line| (std::f64::consts::PI * line.frequency * step).powi(2) / 6.0).fold(0.0, f64::max);
+    let lost = |k: usize| {
+        let (time, values) = record.own_column(k)?;
+        let line = strongest_line(&time, &values)?;
+        Some((std::f64::consts::PI * line.frequency * mean_step(&time)).powi(2) / 6.0)
+    };
+    let loss = (0..record.columns.len()).filter_map(lost).fold(0.0, f64::max);
     Some(Note::Decimated { path: csv.path.value.clone(), rows, loss: Some(loss).filter(|loss| *loss > LOSS) })
 }
 

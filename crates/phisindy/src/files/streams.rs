@@ -2,7 +2,7 @@
 
 use phisindy_phys::spec::{CsvSpec, StreamSpec, Text};
 use phisindy_phys::unit::Unit;
-use phisindy_phys::{Diagnostic, Samples, SourceId, System, Table, Units};
+use phisindy_phys::{Diagnostic, OwnTimes, Samples, SourceId, System, Table, Units};
 use phisindy_signal::{mean_step, on_straight_lines};
 
 /// What is read at once: the rows of a record, or one of its streams.
@@ -67,8 +67,18 @@ fn of_stream(stream: &StreamSpec, whole: &CsvSpec) -> CsvSpec {
     }
 }
 
-/// One table of the parts: at the times of the slowest state or output, the other ones on straight lines between
-/// their samples. Inputs keep their own samples beside that.
+/// A column of a record with its samples.
+struct Channel {
+    /// Its place among the columns of the record.
+    place: usize,
+    input: bool,
+    own: Samples,
+    /// The lines of the file on which its samples stand.
+    lines: Vec<usize>,
+}
+
+/// One table of the parts: at the times of all states and outputs, each of which is sampled at its own ones. Inputs keep
+/// their own samples beside that.
 ///
 /// # Errors
 /// No time lies in all parts.
@@ -78,38 +88,105 @@ pub(super) fn joined(
     mut tables: Vec<(Table, Vec<Diagnostic>)>,
     source: SourceId,
 ) -> Result<(Table, Vec<Diagnostic>), Vec<Diagnostic>> {
-    if csv.streams.is_empty() {
-        return tables.pop().ok_or_else(Vec::new);
+    if let ([part], true) = (parts, csv.streams.is_empty()) {
+        let (table, warnings) = tables.pop().ok_or_else(Vec::new)?;
+        return Ok((with_own_samples(table, part), warnings));
     }
     let (tables, warnings): (Vec<Table>, Vec<Vec<Diagnostic>>) = tables.into_iter().unzip();
     let (from, to) = overlap(csv, parts, &tables, source).map_err(|d| vec![d])?;
-    let shows = |part: &Part| part.columns.iter().any(|(_, input)| !input);
-    let showing = (0..parts.len()).filter(|&p| shows(&parts[p]));
-    let step = |p: &usize| mean_step(&tables[*p].time);
-    let base = showing.max_by(|a, b| step(a).total_cmp(&step(b))).unwrap_or(0);
     let (first, last) = csv.window.as_ref().map_or((from, to), |(a, b)| (a.value, b.value));
-    let (first, last) = (first.max(from), last.min(to));
-    let time = &tables[base].time;
-    let rows = time.partition_point(|t| *t < first)..time.partition_point(|t| *t <= last);
-    let rows = rows.start.min(rows.end)..rows.end;
-    let time = time[rows.clone()].to_vec();
-    let mut all = Table {
-        lines: tables[base].lines[rows.clone()].to_vec(),
-        columns: vec![vec![]; csv.columns.len()],
-        own: vec![None; csv.columns.len()],
-        extent: Some((from, to)),
-        ..Table::default()
+    let channels = parts.iter().zip(tables).flat_map(|(part, table)| {
+        let Table { time, columns, lines, .. } = table;
+        part.columns.iter().zip(columns).map(move |(&(place, input), values)| Channel {
+            place,
+            input,
+            own: Samples { time: time.clone(), values },
+            lines: lines.clone(),
+        })
+    });
+    let all = at_all_times(channels.collect(), (first.max(from), last.min(to)));
+    Ok((Table { extent: Some((from, to)), ..all }, warnings.concat()))
+}
+
+/// The table of a file whose channels have times of their own, with the states and outputs at these.
+fn with_own_samples(table: Table, part: &Part) -> Table {
+    let has_own = |&(k, input): &(usize, bool)| !input && table.own.get(k).is_some_and(Option::is_some);
+    let (Some(&first), Some(&last)) = (table.time.first(), table.time.last()) else { return table };
+    // The mean of rows has no samples, and rows that are chosen are those of one clock.
+    let chosen = part.csv.decimate.is_some() || part.csv.run.is_some() || !part.csv.rows.is_empty();
+    if chosen || !part.columns.iter().any(has_own) {
+        return table;
+    }
+    let channel = |(&(place, input), values): (&(usize, bool), &Vec<f64>)| {
+        let before = if input { table.before.1.get(place) } else { None };
+        let of_rows = || Samples {
+            time: before.iter().flat_map(|_| &table.before.0).chain(&table.time).copied().collect(),
+            values: before.into_iter().flatten().chain(values).copied().collect(),
+        };
+        let own = table.own[place].clone().unwrap_or_else(of_rows);
+        let line =
+            |t: &f64| table.lines[table.time.partition_point(|row| row < t).min(table.lines.len() - 1)];
+        let lines = own.time.iter().map(line).collect();
+        Channel { place, input, own, lines }
     };
-    for (p, (part, table)) in parts.iter().zip(tables).enumerate() {
-        for (&(k, input), values) in part.columns.iter().zip(table.columns) {
-            all.columns[k] = match p == base {
-                true => values[rows.clone()].to_vec(),
-                false => on_straight_lines(&table.time, &values, &time),
-            };
-            all.own[k] = input.then(|| Samples { time: table.time.clone(), values });
+    let all = at_all_times(part.columns.iter().zip(&table.columns).map(channel).collect(), (first, last));
+    Table {
+        time: all.time,
+        columns: all.columns,
+        lines: all.lines,
+        own: all.own,
+        own_times: all.own_times,
+        ..table
+    }
+}
+
+/// The channels, at all times of the states and outputs between two.
+fn at_all_times(channels: Vec<Channel>, (first, last): (f64, f64)) -> Table {
+    // Inputs alone are the times of a prediction.
+    let nothing = channels.iter().all(|channel| channel.input);
+    let rows = united(channels.iter().filter(|channel| nothing || !channel.input), first, last);
+    let (time, lines): (Vec<f64>, Vec<usize>) = rows.into_iter().unzip();
+    let (mut columns, mut own, mut own_times) =
+        (vec![vec![]; channels.len()], vec![None; channels.len()], vec![None; channels.len()]);
+    for Channel { place, input, own: samples, .. } in channels {
+        columns[place] = on_straight_lines(&samples.time, &samples.values, &time);
+        if input {
+            own[place] = Some(samples);
+        } else {
+            let sampled = sampled_at(&samples.time, &time);
+            own_times[place] = sampled.contains(&false).then(|| sampled.into());
         }
     }
-    Ok((Table { time, ..all }, warnings.concat()))
+    Table { time, lines, columns, own, own_times: OwnTimes::new(own_times), ..Table::default() }
+}
+
+/// The times of some channels, each once, and the lines on which they stand. Times that differ by less than the rounding of
+/// stamps are one.
+fn united<'a>(channels: impl Iterator<Item = &'a Channel>, first: f64, last: f64) -> Vec<(f64, usize)> {
+    let mut all: Vec<(f64, usize)> = vec![];
+    let mut step = f64::INFINITY;
+    for Channel { own, lines, .. } in channels {
+        let rows = own.time.iter().copied().zip(lines.iter().copied());
+        all.extend(rows.filter(|(t, _)| (first..=last).contains(t)));
+        step = step.min(mean_step(&own.time));
+    }
+    all.sort_by(|a, b| a.0.total_cmp(&b.0));
+    all.dedup_by(|later, earlier| later.0 - earlier.0 <= ONE_TIME * step);
+    all
+}
+
+/// Times of two streams that are nearer than this part of the shortest step are one: stamps are rounded.
+const ONE_TIME: f64 = 1e-6;
+
+/// Which of these times, which increase, are those of samples.
+fn sampled_at(samples: &[f64], times: &[f64]) -> Vec<bool> {
+    let step = mean_step(samples);
+    let near = |t: &f64| {
+        let k = samples.partition_point(|own| own < t);
+        let gap = |k: usize| samples.get(k).map_or(f64::INFINITY, |own| (own - t).abs());
+        gap(k).min(k.checked_sub(1).map_or(f64::INFINITY, gap)) <= ONE_TIME * step
+    };
+    times.iter().map(near).collect()
 }
 
 /// First and last time that lie in all parts.

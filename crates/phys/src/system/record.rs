@@ -4,15 +4,20 @@ use crate::system::constants::Value;
 use crate::system::equations::System;
 use crate::system::measured::Measured;
 use crate::system::note::Note;
+use crate::system::own_times::OwnTimes;
 use crate::system::plan::{Origin, RecordPlan};
 use crate::system::sensor::Sensor;
 use crate::system::table::{Table, enough, finer};
 use crate::text::diagnostic::{Diagnostic, SourceId};
 use crate::text::spec::{ColumnSpec, CsvSpec, Role, Text};
 use crate::units::unit::Unit;
-use phisindy_signal::{Differentiator, Signal, SignalError, differentiate, mean_step, rounding_error};
+use phisindy_signal::{
+    Differentiated, Differentiator, Interpolation, Signal, SignalError, differentiate, mean_step,
+    noise_level_at, rounding_error, standard_deviation,
+};
 use std::borrow::Cow;
 use std::fmt;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// One run as it was sampled.
@@ -24,8 +29,11 @@ pub struct Record {
     pub role: Role,
     /// Seconds, strictly increasing.
     pub time: Arc<[f64]>,
-    /// Samples of each state, then of each output (SI); `None` without a column.
+    /// Samples of each state, then of each output (SI); `None` without a column. A column with times of its own holds
+    /// what lies on straight lines where it has no sample.
     pub columns: Vec<Option<Vec<f64>>>,
+    /// Which samples each column has.
+    pub own_times: OwnTimes,
     /// For each input, as a function of time (SI); its samples may have times of their own.
     pub inputs: Vec<Signal>,
     /// One number for each of [`System::record_constants`].
@@ -124,17 +132,75 @@ impl Record {
         self.time.iter().map(|&t| signal.value_and_slope(t, &mut near).0).collect()
     }
 
+    /// Times and values of a column, as they were sampled.
+    pub fn own_column(&self, column: usize) -> Option<(Cow<'_, [f64]>, Cow<'_, [f64]>)> {
+        let values = self.columns.get(column)?.as_deref()?;
+        Some((self.own_times.of(column, &self.time), self.own_times.of(column, values)))
+    }
+
+    /// A column smoothed, with its derivative, at all times of the record.
+    ///
+    /// # Errors
+    /// It has too few samples.
+    pub fn differentiated(
+        &self,
+        column: usize,
+        how: Differentiator,
+    ) -> Option<Result<Differentiated, SignalError>> {
+        let (time, values) = self.own_column(column)?;
+        let everywhere = |own: Vec<f64>| -> Result<Vec<f64>, SignalError> {
+            if self.own_times.all(column) {
+                return Ok(own);
+            }
+            let between = Signal::new(time.as_ref().into(), own, Interpolation::Cubic)?;
+            let mut near = 0;
+            Ok(self.time.iter().map(|&t| between.value_and_slope(t, &mut near).0).collect())
+        };
+        let of = |d: Differentiated| -> Result<Differentiated, SignalError> {
+            Ok(Differentiated { values: everywhere(d.values)?, derivative: everywhere(d.derivative)?, ..d })
+        };
+        Some(differentiate(&time, &values, how).and_then(of))
+    }
+
+    /// The noise of a column, by its own samples; 0 without a column. See [`noise_level_at`].
+    pub fn noise_level(&self, column: usize) -> f64 {
+        self.own_column(column).map_or(0.0, |(time, values)| noise_level_at(&time, &values))
+    }
+
     /// Standard deviation of the rounding of a column, by the step that its sensor states or that it shows; 0
     /// without a column.
     pub fn rounding(&self, column: usize) -> f64 {
-        let Some(values) = &self.columns[column] else { return 0.0 };
+        let Some((_, values)) = self.own_column(column) else { return 0.0 };
         let stated = self.sensors[column].quantum.map(|step| step / f64::sqrt(12.0));
-        stated.unwrap_or_else(|| rounding_error(values))
+        stated.unwrap_or_else(|| rounding_error(&values))
+    }
+
+    /// The mean time between the samples of a column.
+    pub fn step(&self, column: usize) -> f64 {
+        mean_step(&self.own_times.of(column, &self.time))
+    }
+
+    /// The standard deviation of a column, by its own samples; 0 without a column.
+    pub fn deviation(&self, column: usize) -> f64 {
+        self.own_column(column).map_or(0.0, |(_, values)| standard_deviation(&values))
     }
 
     /// Number of measured values: samples of all columns of states and outputs.
     pub fn readings(&self) -> usize {
-        self.len() * self.columns.iter().flatten().count()
+        self.readings_of(0..self.len())
+    }
+
+    /// Number of measured values among some samples.
+    pub fn readings_of(&self, samples: Range<usize>) -> usize {
+        let measured = (0..self.columns.len()).filter(|&k| self.columns[k].is_some());
+        measured.map(|k| self.own_times.count(k, samples.clone())).sum()
+    }
+
+    /// The first samples of the record. It continues no other one.
+    pub fn beginning(&self, samples: usize) -> Record {
+        let columns = self.columns.iter().map(|c| c.as_ref().map(|c| c[..samples].to_vec())).collect();
+        let own_times = self.own_times.of_first(samples);
+        Record { time: self.time[..samples].into(), columns, own_times, continues: None, ..self.clone() }
     }
 
     /// Builds a record from the rows of a file, with derived inputs.
@@ -160,6 +226,10 @@ impl Record {
         let own =
             |(k, (name, _)): (usize, (&str, &str))| column(name).filter(|_| system.column(name) == Some(k));
         let columns = system.quantities().take(system.columns()).enumerate().map(own).collect();
+        let place = |(k, (name, _)): (usize, (&str, &str))| {
+            csv.columns.iter().position(|(n, _)| n.value == name && system.column(name) == Some(k))
+        };
+        let own_times = table.own_times.at(system.quantities().take(system.columns()).enumerate().map(place));
         let since = table.extent.map_or(0.0, |(first, _)| first);
         let sensors: Vec<Sensor> = plan.sensors.iter().map(|s| Sensor { since, ..s.clone() }).collect();
         let mut raw = Vec::new();
@@ -193,6 +263,7 @@ impl Record {
             role: plan.role,
             time,
             columns,
+            own_times,
             inputs,
             constants,
             sensors,
@@ -229,9 +300,9 @@ impl Record {
     ) -> Result<Vec<Note>, Vec<String>> {
         let mut done = Vec::new();
         for (k, state) in system.states.iter().enumerate() {
-            let (Some(v), Some(values)) = (state.velocity, &self.columns[k]) else { continue };
+            let Some(v) = state.velocity.filter(|_| self.columns[k].is_some()) else { continue };
             if self.columns[v].is_none()
-                && let Ok(d) = differentiate(&self.time, values, how)
+                && let Some(Ok(d)) = self.differentiated(k, how)
             {
                 let (velocity, displacement) = (system.states[v].name.clone(), state.name.clone());
                 done.push(Note::DerivedVelocity { velocity, displacement, smoothing: d.smoothing });

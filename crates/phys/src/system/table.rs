@@ -1,6 +1,7 @@
 //! The numbers of a record as they were read, before they are a record: is there enough of them?
 
 use crate::system::equations::System;
+use crate::system::own_times::OwnTimes;
 use crate::system::plan::RecordPlan;
 use crate::text::diagnostic::{Diagnostic, SourceId};
 use crate::text::spec::CsvSpec;
@@ -21,9 +22,11 @@ pub struct Table {
     pub omitted: usize,
     /// Times before the window, and the columns there: what drove the rig then.
     pub before: (Vec<f64>, Vec<Vec<f64>>),
-    /// The samples of a column that has times of its own, as it was sampled, before and behind the window too;
-    /// `columns` holds what it is at `time`. Empty where no column has.
+    /// The samples of an input that has times of its own, as it was sampled, before and behind the window too;
+    /// `columns` holds what it is at `time`. Empty where no input has.
     pub own: Vec<Option<Samples>>,
+    /// At which rows each state and output was sampled; `columns` holds what lies on straight lines elsewhere.
+    pub own_times: OwnTimes,
 }
 
 /// Samples of one quantity and their times (SI).

@@ -18,7 +18,7 @@ const DOTS: usize = 600;
 pub(crate) fn chart(seen: &Seen<'_>, column: Option<&str>, sheet: Sheet) -> Option<(Chart, String)> {
     let stretch = stretch(seen, column)?;
     let Stretch { record, column, samples } = &stretch;
-    let (name, time) = (&seen.records[*record].name, &seen.records[*record].time);
+    let (name, time) = (&seen.records[*record].name, seen.times(*record, column.name));
     let (from, to) = (time[samples.start], time[samples.end - 1]);
     let Series { measured, before, model, .. } = series(seen, Some(column.name))?;
     let lines: Vec<(&str, Vec<(f64, f64)>)> =

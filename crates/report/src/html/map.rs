@@ -71,7 +71,7 @@ fn cells(seen: &Seen<'_>, model: &Model<'_>, chain: &[usize], column: &str, sigm
     let mut sums = vec![(0.0, 0usize); CELLS];
     for &r in chain {
         let Some(residual) = model.residual(r, column) else { continue };
-        for (t, e) in seen.records[r].time.iter().zip(residual) {
+        for (t, e) in seen.times(r, column).iter().zip(residual) {
             let cell = &mut sums[(((t - from) / length) as usize).min(CELLS - 1)];
             *cell = (cell.0 + (e * factor / sigma).powi(2), cell.1 + 1);
         }

@@ -80,7 +80,7 @@ fn panel(seen: &Seen<'_>, chain: &[usize], column: &Column<'_>, time: &Axis, lab
         let mut all = Vec::new();
         for (r, samples) in &column.parts {
             let Some(values) = values(*r, samples) else { continue };
-            all.extend(seen.records[*r].time.iter().copied().zip(values));
+            all.extend(seen.times(*r, column.name).iter().copied().zip(values));
             // Separate runs are not joined by a line.
             all.push((f64::NAN, f64::NAN));
         }

@@ -61,7 +61,7 @@ fn chart(
         }
         let height = HIGH;
         let residual = over_time(seen, model, chain, column, parts);
-        let lags = correlogram(seen, shown(seen, parts));
+        let lags = correlogram(seen, column, shown(seen, parts));
         // On a phone the two stand above each other.
         let below = if sheet.is_phone() { lags.labels(HIGH) } else { 0.0 };
         let (x, whole) = sheet.beside(residual.labels(HIGH).max(below));
@@ -91,7 +91,7 @@ fn over_time(
     let (from, to) = seen.span(chain);
     let mut points = Vec::new();
     for (r, residual) in parts {
-        points.extend(seen.records[*r].time.iter().copied().zip(residual.iter().copied()));
+        points.extend(seen.times(*r, column.name).iter().copied().zip(residual.iter().copied()));
         points.push((f64::NAN, f64::NAN));
     }
     let factor = model.system.column(column.name).map_or(1.0, |k| model.system.factor(k));
@@ -121,8 +121,8 @@ fn shown<'p>(seen: &Seen<'_>, parts: &'p [Part]) -> &'p Part {
     parts.iter().max_by_key(rank).unwrap_or(&parts[0])
 }
 
-fn correlogram(seen: &Seen<'_>, (record, residual): &Part) -> Panel {
-    let time = &seen.records[*record].time;
+fn correlogram(seen: &Seen<'_>, column: &Column<'_>, (record, residual): &Part) -> Panel {
+    let time = seen.times(*record, column.name);
     let n = residual.len();
     let step = (time[n.min(time.len()) - 1] - time[0]) / (n - 1).max(1) as f64;
     let all = autocorrelation(residual);

@@ -107,6 +107,7 @@ mod tests {
             nrmse: vec![],
             noise: vec![],
             residuals: vec![],
+            own_times: Default::default(),
             start: vec![0.003],
             run: None,
             failure: None,

@@ -78,7 +78,7 @@ fn states_have_the_size_of_their_columns() {
         let n = (column.len() - far) as f64;
         ((far..column.len()).map(|i| slope(i).powi(2)).sum::<f64>() / n).sqrt()
     };
-    let sizes = columns.map(|c| standard_deviation(c));
+    let sizes = columns.map(|c| phisindy_signal::standard_deviation(c));
     assert_eq!(found.deviations, [[sizes[0], 0.0, 0.0], [sizes[1], 0.0, 0.0]]);
     // What a sensor reads is larger than the state by its gain.
     let gain = |r: usize| records[r].sensors[0].gain.start;
