@@ -1184,3 +1184,53 @@ fn a_file_is_named_once() {
         );
     }
 }
+
+/// Files of two masses on a spring: what their names say is a load, if the motions differ as they do.
+#[test]
+fn a_mass_in_the_names_of_files_is_a_load() {
+    let file = |mass: f64| {
+        let (mut x, mut v, h) = (0.0_f64, 0.0_f64, 1e-4);
+        let mut text = "t_s,x_mm,F_N\n".to_owned();
+        for k in 0..3000 {
+            let force = |t: f64| 12.0 * (7.0 * t).sin() + 8.0 * (17.0 * t + 1.0).sin();
+            if k % 2 == 0 {
+                let t = 2e-3 * f64::from(k);
+                let _ = writeln!(text, "{t},{},{}", 1e3 * x + noise(k as usize, 0.01), force(t));
+            }
+            for part in 0..20 {
+                let t = 2e-3 * f64::from(k) + h * f64::from(part);
+                v += h * (force(t) - 300.0 * x - 2.0 * v) / mass;
+                x += h * v;
+            }
+        }
+        text
+    };
+    let scratch = Scratch::new("new_loads");
+    let drafted = |one: (&str, f64), other: (&str, f64)| {
+        let paths = [one, other].map(|(name, mass)| {
+            let path = scratch.path(name);
+            std::fs::write(&path, file(mass)).expect("a file");
+            path
+        });
+        let said = phisindy(&["new", &paths[0], &paths[1], "--out", &scratch.path("loads.ron"), "--force"]);
+        assert_eq!(said.code, 0, "{}", said.err);
+        std::fs::read_to_string(scratch.path("loads.ron")).expect("a spec")
+    };
+    let text = drafted(("rig_500g.csv", 1.5), ("rig_1500g.csv", 2.5));
+    holds(
+        &text,
+        &[
+            "\"m\": \"m0 + load\"",
+            "constants: { \"load\": (0.5, \"kg\") }",
+            "constants: { \"load\": (1.5, \"kg\") }",
+        ],
+    );
+    let said = phisindy(&["run", &scratch.path("loads.ron"), "--quiet"]);
+    assert!(said.code == 0 && said.out.contains("identified"), "{}{}", said.out, said.err);
+    // A mass that presses and does not move with the body, and names that say nothing.
+    for text in
+        [drafted(("rig_500g.csv", 1.5), ("rig_1500g.csv", 1.5)), drafted(("a1.csv", 1.5), ("a2.csv", 2.5))]
+    {
+        assert!(!text.contains("m0 + load") && text.contains("If it is a load"), "{text}");
+    }
+}

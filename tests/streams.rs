@@ -158,6 +158,37 @@ fn outputs_are_compared_at_their_own_samples() {
     assert!(said.out.contains(r#""law":"coulomb""#), "{}", said.out);
 }
 
+/// A logger that shows means over 20 ms takes a tenth off the faster tone, and is late by half of that.
+#[test]
+fn a_logger_shows_means() {
+    let mut dice = Dice::new(6);
+    let mut text = "t_s,x_m\n".to_owned();
+    let parts = 50;
+    let rate = 50.0 * f64::from(parts);
+    let fine = places(&times(rate, 8.0).iter().map(|t| t + 0.5 / rate).collect::<Vec<_>>());
+    for (k, of) in fine.chunks(parts as usize).enumerate() {
+        let mean = of.iter().sum::<f64>() / of.len() as f64;
+        let _ = writeln!(text, "{},{}", (k + 1) as f64 / 50.0, mean + 2e-5 * dice.normal());
+    }
+    let files = [("log.csv", &*text), ("cell.csv", &*cell(9.0))];
+    let stream = r#""x": (path: "log.csv", time: ("t_s", "s"), column: ("x_m", "m"))"#;
+    let record =
+        format!("Csv(streams: {{ {stream}, {CELL} }}, sensors: {{ \"x\": (average: (20.0, \"ms\")) }})");
+    let said = run("run", "streams-mean", &record, &files);
+    let (found, error) = friction(&said);
+    assert!((found - FRICTION).abs() < 4.0 * error && error < 0.005, "{found} +- {error}\n{}", said.err);
+    let at_once = run("run", "streams-at-once", &record.replace("20.0", "0.0"), &files);
+    let (_, wide) = friction(&at_once);
+    assert!(wide > 10.0 * error, "{wide} {error}");
+    for (wrong, what) in [("(20.0, \"mm\")", "averaged over no time"), ("-1.0", "averaged over no time")] {
+        let said = run("check", "streams-no-mean", &record.replace("(20.0, \"ms\")", wrong), &files);
+        assert!(said.code == 2 && said.err.contains(what), "{wrong}: {}", said.err);
+    }
+    let of_input = record.replace("sensors: { \"x\"", "sensors: { \"F\"");
+    let said = run("check", "streams-mean-of-input", &of_input, &files);
+    assert!(said.code == 2 && said.err.contains("is an input"), "{}", said.err);
+}
+
 /// A log of two channels in one table: most rows have an empty cell.
 fn merged(seed: u64) -> String {
     let mut dice = Dice::new(seed);

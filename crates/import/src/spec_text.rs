@@ -41,15 +41,19 @@ fn written(drafts: &[(&Draft, &str)], next: &str) -> String {
     let (draft, file) = drafts[0];
     let mut text = String::new();
     let mut head = overview::head(draft, file, next);
+    let loads = if drafts.len() > 1 { several_files::loads(drafts) } else { None };
     if drafts.len() > 1 {
         let all = drafts.iter().map(|(_, file)| *file).collect::<Vec<_>>().join(", ");
         head.push(format!("The records are those of {all}; the numbers above are those of the first file."));
         let differ = several_files::differences(drafts);
         let what =
             if differ.is_empty() { "nothing that the files say".to_owned() } else { differ.join("; ") };
-        head.push(format!(
-            "EDIT: what differs between them is {what}. If it is a load, write it into each record, as in `constants: {{ \"N\": (2.5, \"N\") }}`, and into the model."
-        ));
+        head.push(match loads {
+            Some(_) => format!("What differs between them is {what}. EDIT: it is taken for the load, a part of the mass."),
+            None => format!(
+                "EDIT: what differs between them is {what}. If it is a load, write it into each record, as in `constants: {{ \"N\": (2.5, \"N\") }}`, and into the model."
+            ),
+        });
     }
     for line in head {
         // A heading may contain line breaks.
@@ -62,17 +66,19 @@ fn written(drafts: &[(&Draft, &str)], next: &str) -> String {
     } else if quarter_car::is_one(draft) {
         quarter_car::write(draft, &mut text);
     } else {
-        model::constants(draft, &notation, &mut text);
+        let load = loads.as_ref().map(|loads| loads[0]);
+        model::constants(draft, &notation, load, &mut text);
         model::model(draft, &notation, &mut text);
     }
     text.push_str("    data: [\n");
-    for (draft, file) in drafts {
+    for (k, (draft, file)) in drafts.iter().enumerate() {
+        let load = loads.as_ref().map(|loads| loads[k]);
         for part in &draft.records {
             let name = match drafts.len() {
                 1 => part.name.clone(),
                 _ => format!("{} {}", file.rsplit_once('.').map_or(*file, |(stem, _)| stem), part.name),
             };
-            record::record(draft, &notation, part, (file, &name), &mut text);
+            record::record(draft, &notation, part, (file, &name), load, &mut text);
         }
     }
     text.push_str("    ],\n)\n");

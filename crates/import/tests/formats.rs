@@ -183,10 +183,7 @@ fn a_draft_is_accepted_and_reads_its_file() {
             &["Table(", "time: (\"time\", \"s\")", "\"displacement 1Z+\", \"mm\"", "\"force 2Z+\", \"N\""],
         ),
         ("run.tdms", &["Table(", "time: (\"time\", \"s\")", "(\"x\", \"mm\")", "(\"F\", \"N\")"]),
-        (
-            "rates.tdms",
-            &["Table(", "time: (\"time of x\", \"s\")", "(\"F\", \"N\")", "has times of its own"],
-        ),
+        ("rates.tdms", &["Table(", "time: (\"time of x\", \"s\")", "(\"F\", \"N\")", "has times of its own"]),
         #[cfg(feature = "hdf5")]
         ("run.h5", &["Table(", "time: \"t\"", "(\"x\", \"mm\")", "(\"F\", \"N\")"]),
         #[cfg(feature = "hdf5")]

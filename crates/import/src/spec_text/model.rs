@@ -17,11 +17,11 @@ const TESTER: &str = r#"    // The data do not tell whether F drives the motion 
     // unknown: {}, no inertia and contacts, and in each record derive: { "dx": Derivative("x") }.
 "#;
 
-/// Writes `constants`.
-pub(super) fn constants(draft: &Draft, notation: &Notation, text: &mut String) {
+/// Writes `constants`; the load (kg) of the record, if records differ in it, is part of the mass.
+pub(super) fn constants(draft: &Draft, notation: &Notation, load: Option<f64>, text: &mut String) {
     let estimate = &draft.estimate;
     text.push_str("    constants: {\n");
-    let mut add = |name: &str, value: f64, unit: &str, within: (f64, f64), comment: &str| {
+    let add = |text: &mut String, name: &str, value: f64, unit: &str, within: (f64, f64), comment: &str| {
         let (low, high) = (three_digits(within.0), three_digits(within.1));
         let value = three_digits(value).clamp(low, high);
         let _ = writeln!(
@@ -37,7 +37,24 @@ pub(super) fn constants(draft: &Draft, notation: &Notation, text: &mut String) {
         let (seen, wide) =
             if told.is_some() { ("a first guess", WIDE) } else { ("not seen in the data", WIDE * WIDE) };
         let comment = format!("EDIT: the inertia, {seen}; if you know it: \"{name}\": (1.23, \"{unit}\")");
-        add(name, mass, unit, (mass / wide, mass * wide), &comment);
+        match load {
+            None => add(text, name, mass, unit, (mass / wide, mass * wide), &comment),
+            Some(load) => {
+                let bare = if load < mass { mass - load } else { 0.1 * mass };
+                add(
+                    text,
+                    "m0",
+                    bare,
+                    unit,
+                    (0.0, mass * wide),
+                    "EDIT: what moves beside the load, a first guess",
+                );
+                let _ = writeln!(
+                    text,
+                    "        \"load\": ({load:?}, \"kg\"), \"m\": \"m0 + load\", // each record has its own"
+                );
+            }
+        }
     }
     let per = mass.unwrap_or(1.0);
     if let Some(k) = estimate.stiffness {
@@ -48,7 +65,7 @@ pub(super) fn constants(draft: &Draft, notation: &Notation, text: &mut String) {
             (false, true) => "stiffness",
         };
         let comment = format!("EDIT: {what}, from the data; narrow the bounds if you know better");
-        add("k", k * per, notation.spring_unit, (k * per / WIDE, k * per * WIDE), &comment);
+        add(text, "k", k * per, notation.spring_unit, (k * per / WIDE, k * per * WIDE), &comment);
     }
     let damping =
         estimate.stiffness.map_or_else(|| 10.0 * estimate.damping.abs().max(0.1), |k| 2.0 * k.sqrt());
@@ -56,14 +73,14 @@ pub(super) fn constants(draft: &Draft, notation: &Notation, text: &mut String) {
     let what = if notation.inertia.is_some() { "viscous damping" } else { "viscous damping / mass" };
     // Ten times critical damping, or as much as was found.
     let most = 10.0 * damping.max(estimate.damping);
-    add("c", start * per, notation.damper_unit, (0.0, most * per), &format!("EDIT: {what}"));
+    add(text, "c", start * per, notation.damper_unit, (0.0, most * per), &format!("EDIT: {what}"));
     if let Input::Drive(_) = draft.roles.input {
         // Where the regression tells none, the one that the size of drive and acceleration suggest.
         let plausible = || (draft.motion.plausible_inertia().map_or(1.0, f64::recip), WIDE * WIDE);
         let (gain, wide) = estimate.input_gain.filter(|b| *b != 0.0).map_or_else(plausible, |b| (b, 5.0));
         let size = wide * gain.abs();
         let comment = "EDIT: acceleration for each unit of the input; either sign";
-        add("b", gain, &notation.gain_unit, (-size, size), comment);
+        add(text, "b", gain, &notation.gain_unit, (-size, size), comment);
     }
     text.push_str("    },\n");
 }

@@ -14,6 +14,7 @@ pub(super) fn record(
     notation: &Notation,
     record: &RecordDraft,
     (file, name): (&str, &str),
+    load: Option<f64>,
     text: &mut String,
 ) {
     let (path, name) = (quoted(file), quoted(name));
@@ -26,6 +27,7 @@ pub(super) fn record(
         "        {form}(path: {path}, name: {name}, time: {time}, {form_of_columns}: {{ {columns} }},{remark}"
     );
     let mut fields = Vec::new();
+    fields.extend(load.map(|load| format!("constants: {{ \"load\": ({load:?}, \"kg\") }}")));
     let quarter_car = super::quarter_car::is_one(draft);
     if let (Input::Base(_), false) = (draft.roles.input, quarter_car) {
         fields.push("derive: { \"du\": Derivative(\"u\") }".to_owned());

@@ -2,6 +2,7 @@
 
 use crate::draft::Draft;
 use crate::roles::Input;
+use phisindy_phys::unit::Unit;
 
 /// How a draft takes its file: what the columns of the model are called and what they are.
 #[derive(PartialEq)]
@@ -66,6 +67,35 @@ pub(super) fn differences(drafts: &[(&Draft, &str)]) -> Vec<String> {
     told
 }
 
+/// The masses in the names of the files (kg), where these are loads: the inertias that regressions on the files find
+/// differ as they do.
+pub(super) fn loads(drafts: &[(&Draft, &str)]) -> Option<Vec<f64>> {
+    let masses: Vec<Vec<f64>> = drafts.iter().map(|(_, file)| masses(file)).collect();
+    let named: Vec<f64> = masses.iter().map(|own| own.first().copied()).collect::<Option<_>>()?;
+    let inertia =
+        |(draft, _): &(&Draft, &str)| draft.estimate.input_gain.filter(|b| *b > 0.0).map(f64::recip);
+    let moved: Vec<f64> = drafts.iter().map(inertia).collect::<Option<_>>()?;
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+    let (x, y) = (mean(&named), mean(&moved));
+    let power: f64 = named.iter().map(|m| (m - x).powi(2)).sum();
+    let slope = named.iter().zip(&moved).map(|(m, own)| (m - x) * (own - y)).sum::<f64>() / power;
+    let is_force = matches!(drafts[0].0.roles.input, Input::Force(_)) && !drafts[0].0.roles.is_angle;
+    (is_force && ALIKE.contains(&slope)).then_some(named)
+}
+
+/// One kilogram more in a name is about that much more inertia, as regressions tell it.
+const ALIKE: std::ops::RangeInclusive<f64> = 0.5..=2.0;
+
+/// The masses in the name of a file (kg).
+fn masses(file: &str) -> Vec<f64> {
+    let mass = |word: &String| {
+        let (number, unit) = word.split_at(word.find(|c: char| c.is_alphabetic())?);
+        let (number, unit) = (number.parse::<f64>().ok()?, Unit::parse(unit).ok()?);
+        (unit.dimension == Unit::parse("kg").ok()?.dimension).then_some(number * unit.factor)
+    };
+    numbers(file).iter().filter_map(mass).collect()
+}
+
 /// The numbers in the name of a file, with the letters behind them: `250g` of `stickslip_250g.csv`.
 fn numbers(file: &str) -> Vec<String> {
     let stem = file.rsplit_once('.').map_or(file, |(stem, _)| stem);
@@ -82,5 +112,6 @@ mod tests {
         assert_eq!(numbers("stickslip_250g_run2.csv"), ["250g"]);
         assert_eq!(numbers("3.5bar-02.txt"), ["3.5bar", "02"]);
         assert_eq!(numbers("rig.csv"), Vec::<String>::new());
+        assert_eq!((masses("load_1.5kg.csv"), masses("250g_3bar.csv")), (vec![1.5], vec![0.25]));
     }
 }

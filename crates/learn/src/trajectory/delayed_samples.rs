@@ -12,8 +12,8 @@ pub(crate) struct DelayedSamples {
     /// For each distinct delay, the indices of its samples in `times`. The first delay is that of the states
     /// themselves.
     at: Vec<Vec<usize>>,
-    /// For each column, the index of its delay.
-    group: Vec<usize>,
+    /// For each column, the moments whose sum a sample is: the index of the delay of each, and its weight.
+    moments: Vec<Vec<(usize, f64)>>,
 }
 
 /// How late a sensor is, and by what its clock drifts.
@@ -23,9 +23,32 @@ pub(crate) struct Lateness {
     pub(crate) clock: f64,
     /// Since when the clock drifts.
     pub(crate) since: f64,
+    /// Over how long a sample is the mean, up to its time.
+    pub(crate) average: f64,
 }
 
 impl Lateness {
+    /// The moments whose weighted sum a sample is: one, or the nodes of Gauss's rule with three, which is exact for
+    /// polynomials up to the fifth degree. The second of three is the middle.
+    fn moments(self) -> Vec<(Lateness, f64)> {
+        let at = |part: f64| Lateness { delay: self.delay + part * self.average, average: 0.0, ..self };
+        if self.average == 0.0 {
+            return vec![(self, 1.0)];
+        }
+        let apart = 0.5 * 0.6_f64.sqrt();
+        vec![(at(0.5 - apart), 5.0 / 18.0), (at(0.5), 8.0 / 18.0), (at(0.5 + apart), 5.0 / 18.0)]
+    }
+
+    /// The middle of what a sample at `t` shows.
+    pub(crate) fn middle(self, t: f64) -> f64 {
+        self.shown(t) - 0.5 * self.average
+    }
+
+    /// The first that a sample at `t` shows.
+    pub(crate) fn oldest(self, t: f64) -> f64 {
+        self.shown(t) - self.average
+    }
+
     /// When what a sample at `t` shows was.
     pub(crate) fn shown(self, t: f64) -> f64 {
         t - self.delay + self.clock * (t - self.since)
@@ -43,17 +66,20 @@ impl DelayedSamples {
     /// Samples at `samples`, each state's column as late as its sensor. The states themselves are sampled as
     /// the sensor of state `first` is.
     pub(crate) fn new(samples: &[f64], late: &[Lateness], first: usize) -> DelayedSamples {
-        let mut distinct = vec![late.get(first).copied().unwrap_or_default()];
-        let mut group = Vec::with_capacity(late.len());
-        for own in late {
-            group.push(distinct.iter().position(|other| other == own).unwrap_or_else(|| {
-                distinct.push(*own);
+        let middle = |moments: Vec<(Lateness, f64)>| moments[moments.len() / 2].0;
+        let mut distinct = vec![middle(late.get(first).copied().unwrap_or_default().moments())];
+        let mut place = |own: Lateness| {
+            distinct.iter().position(|other| *other == own).unwrap_or_else(|| {
+                distinct.push(own);
                 distinct.len() - 1
-            }));
-        }
+            })
+        };
+        let moments =
+            late.iter().map(|own| own.moments().into_iter().map(|(own, part)| (place(own), part)).collect());
+        let moments = moments.collect();
         if let [late] = distinct[..] {
             let times = samples.iter().map(|t| late.shown(*t)).collect();
-            return DelayedSamples { times, at: vec![(0..samples.len()).collect()], group };
+            return DelayedSamples { times, at: vec![(0..samples.len()).collect()], moments };
         }
         let mut all: Vec<(f64, usize, usize)> = distinct
             .iter()
@@ -63,7 +89,7 @@ impl DelayedSamples {
         all.sort_by(|a, b| a.0.total_cmp(&b.0));
         let mut at = vec![vec![0; samples.len()]; distinct.len()];
         all.iter().enumerate().for_each(|(k, &(_, g, i))| at[g][i] = k);
-        DelayedSamples { times: all.into_iter().map(|(t, ..)| t).collect(), at, group }
+        DelayedSamples { times: all.into_iter().map(|(t, ..)| t).collect(), at, moments }
     }
 
     /// The first sample time of the states themselves.
@@ -74,8 +100,9 @@ impl DelayedSamples {
     /// The readings that are due at each of the times, of the columns that are measured.
     pub(crate) fn due(&self, measured: impl Fn(usize) -> bool) -> Vec<Vec<Reading>> {
         let mut due = vec![vec![]; self.times.len()];
-        for column in (0..self.group.len()).filter(|&k| measured(k)) {
-            let of_column = self.at[self.group[column]].iter().enumerate();
+        for column in (0..self.moments.len()).filter(|&k| measured(k)) {
+            let (middle, _) = self.moments[column][self.moments[column].len() / 2];
+            let of_column = self.at[middle].iter().enumerate();
             of_column.for_each(|(sample, &at)| due[at].push(Reading { column, sample }));
         }
         due
@@ -104,15 +131,21 @@ impl DelayedSamples {
         let (n, m) = (run.n, run.m);
         let late = (0..n)
             .map(|k| {
-                let at = self.at.get(self.group[k]).filter(|_| self.group[k] > 0)?;
-                Some(Delayed {
-                    values: at.iter().map(|i| (run.states[i * n + k], run.rates[i * n + k])).collect(),
-                    sensitivities: if m == 0 {
-                        vec![]
-                    } else {
-                        at.iter().flat_map(|i| &run.sensitivities[(i * n + k) * m..][..m]).copied().collect()
-                    },
-                })
+                let moments = self.moments.get(k).filter(|own| own[..] != [(0, 1.0)])?;
+                let samples = self.at[0].len();
+                let mut own =
+                    Delayed { values: vec![(0.0, 0.0); samples], sensitivities: vec![0.0; samples * m] };
+                for &(moment, part) in moments {
+                    for (sample, i) in self.at[moment].iter().take(samples).enumerate() {
+                        let (value, rate) = &mut own.values[sample];
+                        *value += part * run.states[i * n + k];
+                        *rate += part * run.rates[i * n + k];
+                        let slopes = &run.sensitivities[(i * n + k) * m..][..m];
+                        let sums = own.sensitivities[sample * m..][..m].iter_mut();
+                        sums.zip(slopes).for_each(|(sum, slope)| *sum += part * slope);
+                    }
+                }
+                Some(own)
             })
             .collect();
         let rows = |of: &[f64], width: usize| -> Vec<f64> {
@@ -191,5 +224,24 @@ mod tests {
         assert_eq!(sampled.run.states, [0.0, 0.0, 0.0, 1.0, 2.0, 3.0, 2.0, 4.0, 6.0]);
         assert_eq!(sampled.run.modes.len(), 3);
         assert_eq!([0, 1, 2].map(|k| sampled.value(1, k)), [(0.75, 1.0), (2.0, 2.0), (2.25, 3.0)]);
+    }
+
+    /// The mean of `t^5` over the half second before a sample, and the middle of it for the states themselves.
+    #[test]
+    fn a_logger_shows_means() {
+        let late = [0.0, 0.5].map(|average| Lateness { average, ..Lateness::default() });
+        let samples = DelayedSamples::new(&[0.0, 1.0, 2.0], &late, 0);
+        let states = samples.times.iter().flat_map(|t| [*t, t.powi(5)]).collect();
+        let rates = samples.times.iter().flat_map(|t| [1.0, 5.0 * t.powi(4)]).collect();
+        let count = samples.times.len();
+        let run = Trajectory { n: 2, states, rates, modes: vec![1; count], ..Default::default() };
+        let sampled = samples.split(run);
+        for (sample, t) in [0.0_f64, 1.0, 2.0].into_iter().enumerate() {
+            let mean = |f: &dyn Fn(f64) -> f64| (f(t) - f(t - 0.5)) / 0.5;
+            let (value, rate) = sampled.value(sample, 1);
+            assert!((value - mean(&|t| t.powi(6) / 6.0)).abs() < 1e-12, "{value}");
+            assert!((rate - mean(&|t| t.powi(5))).abs() < 1e-12, "{rate}");
+            assert_eq!(sampled.value(sample, 0), (t, 1.0));
+        }
     }
 }

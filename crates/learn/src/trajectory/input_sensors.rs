@@ -40,7 +40,7 @@ impl InputSensors {
         let drifts = inputs.iter().map(drifts).collect();
         let undone = |record: &Record, j: usize| {
             let Sensor { delay, clock, since, .. } = sensor(record, j);
-            Lateness { delay: delay.start, clock: clock.start, since }
+            Lateness { delay: delay.start, clock: clock.start, since, average: 0.0 }
         };
         let undone = records.iter().map(|r| inputs.iter().map(|&j| undone(r, j)).collect()).collect();
         let column = |record: &Record, j: usize| {

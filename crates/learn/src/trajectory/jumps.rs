@@ -92,7 +92,7 @@ impl Problem<'_> {
         }
         let record = self.records[segment.record];
         let step = self.steps[segment.record][column];
-        let time = self.lateness(segment.record, column, x).shown(record.time[sample]);
+        let time = self.lateness(segment.record, column, x).middle(record.time[sample]);
         let (_, gain) = self.reading(segment.record, column, x, 0.0);
         Some(Sample { jumps, output, gain, time, step, noise })
     }

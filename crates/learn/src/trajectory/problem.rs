@@ -9,7 +9,7 @@ use crate::trajectory::follower::Follower;
 use crate::trajectory::input_sensors::InputSensors;
 use crate::trajectory::layout::{CLOCK, DELAY, Layout, Segment, Source};
 use crate::trajectory::noise::{ColumnNoise, least_noise_of};
-use phisindy_phys::{Record, System};
+use phisindy_phys::{Record, Sensor, System};
 use phisindy_signal::{Signal, mean_step};
 use phisindy_sim::{Automaton, Drive, Observer, Options, SimError, Stop, Trajectory, observe, simulate};
 use rayon::prelude::*;
@@ -250,11 +250,11 @@ impl<'a> Problem<'a> {
             let begins = measured.filter_map(|signal| signal.knots().next()).fold(record.time[0], f64::max);
             let own = |k: usize| {
                 let (late, step) = (self.lateness(r, k, x), mean_step(&record.time));
-                if late.shown(record.time[0]) >= begins - SAME_TIME * step {
+                if late.oldest(record.time[0]) >= begins - SAME_TIME * step {
                     return 0;
                 }
                 // Devices are late by whole samples: half of one between them does not hang on a digit of the delay.
-                let tells = |t: &f64| late.shown(*t) >= begins + 0.5 * step;
+                let tells = |t: &f64| late.oldest(*t) >= begins + 0.5 * step;
                 let first = record.time.iter().position(tells).unwrap_or(record.len());
                 if record.columns.get(k).is_some_and(Option::is_some) {
                     first.min(record.len() / 2)
@@ -270,8 +270,8 @@ impl<'a> Problem<'a> {
     /// How late a sensor is.
     pub(crate) fn lateness(&self, record: usize, column: usize, x: &[f64]) -> Lateness {
         let own = &self.sensors[record][column];
-        let since = self.records[record].sensors[column].since;
-        Lateness { delay: Self::value(own[DELAY], x), clock: Self::value(own[CLOCK], x), since }
+        let Sensor { since, average, .. } = self.records[record].sensors[column];
+        Lateness { delay: Self::value(own[DELAY], x), clock: Self::value(own[CLOCK], x), since, average }
     }
 
     /// Where each parameter of a run comes from: those of the model, then those of the inputs' sensors.

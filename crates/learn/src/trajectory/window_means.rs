@@ -106,7 +106,7 @@ impl Problem<'_> {
             let mut from = 0;
             while from + length <= own.len() && length > 0 {
                 let samples = &own[from..from + length];
-                let time = |i: usize| late.shown(record.time[first + i]);
+                let time = |i: usize| late.middle(record.time[first + i]);
                 let (begin, end) = (time(samples[0]) - 0.5 * step, time(samples[length - 1]) + 0.5 * step);
                 let miss = |&i: &usize| {
                     self.reading(segment.record, k, x, sampled.value(i, k).0).0 - column[first + i]

@@ -24,7 +24,8 @@ impl SensorParameter {
     }
 }
 
-/// The reading of a sensor: `gain * quantity(t - delay + clock*(t - since)) + offset`.
+/// The reading of a sensor: `gain * quantity(t - delay + clock*(t - since)) + offset`, of a mean over the time `average`
+/// before that.
 ///
 /// ```
 /// use phisindy_phys::{Sensor, SensorParameter};
@@ -48,6 +49,8 @@ pub struct Sensor {
     pub since: f64,
     /// The step of the column (SI), if it is known.
     pub quantum: Option<f64>,
+    /// Over how long each sample is the mean, up to its time (s).
+    pub average: f64,
     /// For an input derived from another one: the index of that input, which has the sensor.
     pub follows: Option<usize>,
 }
@@ -91,18 +94,26 @@ impl Sensor {
         let (offset, gain, delay) =
             (known(&self.offset, 0.0), known(&self.gain, 1.0), known(&self.delay, 0.0));
         let clock = known(&self.clock, 0.0);
-        let late = if (delay, clock) == (0.0, 0.0) {
+        let late = if (delay, clock, self.average) == (0.0, 0.0, 0.0) {
             values
         } else {
             let signal = Signal::new(time.clone(), values, kind)?;
-            time.iter().map(|t| signal.value(t - delay + clock * (t - self.since))).collect()
+            let shown = |t: &f64| t - delay + clock * (t - self.since);
+            let mean = |t: f64| {
+                let parts = (0..MEAN_OF).map(|k| (k as f64 + 0.5) / MEAN_OF as f64 * self.average);
+                parts.map(|back| signal.value(t - back)).sum::<f64>() / MEAN_OF as f64
+            };
+            time.iter()
+                .map(shown)
+                .map(|t| if self.average > 0.0 { mean(t) } else { signal.value(t) })
+                .collect()
         };
         Ok(if (offset, gain) == (0.0, 1.0) { late } else { late.iter().map(|x| gain * x + offset).collect() })
     }
 
     /// When what it reads at `t` was, each parameter at its start.
     pub(crate) fn shown(&self, t: f64) -> f64 {
-        t - self.delay.start + self.clock.start * (t - self.since)
+        t - self.delay.start + self.clock.start * (t - self.since) - 0.5 * self.average
     }
 
     /// The quantity at the sample times, from the reading, each parameter at its start. Beyond the ends a
@@ -117,6 +128,8 @@ impl Sensor {
         kind: Interpolation,
     ) -> Result<Vec<f64>, SignalError> {
         let [offset, gain, delay, clock] = self.parameters().map(|p| p.start);
+        // A mean shows the middle of its time.
+        let delay = delay + 0.5 * self.average;
         let column = if (delay, clock) == (0.0, 0.0) {
             column
         } else {
@@ -132,11 +145,14 @@ impl Sensor {
     }
 }
 
+/// Parts of the time of a mean, each as it is in its middle.
+const MEAN_OF: usize = 32;
+
 impl Default for Sensor {
     fn default() -> Self {
         let fixed = SensorParameter::fixed;
         let clock = fixed(0.0);
         let (offset, gain, delay) = (fixed(0.0), fixed(1.0), fixed(0.0));
-        Sensor { offset, gain, delay, clock, since: 0.0, quantum: None, follows: None }
+        Sensor { offset, gain, delay, clock, since: 0.0, quantum: None, average: 0.0, follows: None }
     }
 }

@@ -326,6 +326,8 @@ pub struct SensorSpec {
     pub per: Option<Text>,
     /// After how much the column begins anew (SI).
     pub unwrap: Option<Number>,
+    /// Over how long each sample is the mean, and the unit that is written beside it; None: over no time.
+    pub average: Option<(Number, Option<Text>)>,
     /// What takes the high frequencies off the column.
     pub lowpass: Option<FilterSpec>,
     /// What takes the constant part and the low frequencies off the column.

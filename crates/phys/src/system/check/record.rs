@@ -61,6 +61,9 @@ impl Checker {
                 }
                 all[index].quantum = Some(self.si(step, theirs.map_or(1.0, |(_, unit)| unit.factor)));
             }
+            if let Some((time, unit)) = &sensor.average {
+                all[index].average = self.average(name, time, unit.as_ref(), index < system.columns());
+            }
             let slots = [(&sensor.offset, 0), (&sensor.gain, 1), (&sensor.delay, 2), (&sensor.clock, 3)];
             for (value, which) in slots {
                 let Some(value) = value else { continue };
@@ -101,6 +104,27 @@ impl Checker {
                 Sensor { offset: SensorParameter::fixed(0.0), follows: Some(of), ..all[n + of].clone() };
         }
         all
+    }
+
+    /// Over how long the samples of a column are means (s).
+    fn average(&mut self, name: &Text, time: &Number, unit: Option<&Text>, is_compared: bool) -> f64 {
+        let second = Unit::parse("s").map(|unit| unit.dimension);
+        let theirs = unit.map(|unit| self.unit(unit)).unwrap_or(Unit::ONE);
+        if unit.is_some() && second != Ok(theirs.dimension) || time.value < 0.0 {
+            let message = format!("`{}` is averaged over no time", name.value);
+            self.error(message, unit.map_or(time.span, |unit| unit.span), "")
+                .help
+                .push("write a time, as in (10.0, \"ms\")".into());
+            return 0.0;
+        }
+        if !is_compared {
+            let message = format!("`{}` is an input: what acts on the rig is no mean", name.value);
+            self.error(message, time.span, "").help.push(
+                "state what acts at each moment; a mean over so short a time is late by half of it: `delay`"
+                    .into(),
+            );
+        }
+        self.si(time, theirs.factor)
     }
 
     /// A sensor parameter that is a constant of the case.

@@ -232,6 +232,7 @@ group! { SENSOR = "a sensor", None;
     Field("quantum", QUANTITY, "the step of the column, in SI or as `(0.1, \"mm\")`: no value is known better than `step/sqrt(12)`", Is("seen from the data")),
     Field("per", PER, "of a column of counts, how many make a unit: `(\"rev\", 4096)`, `(\"mm\", 200)`; the same as the unit `\"rev/4096\"`", Is("none")),
     Field("unwrap", TURN, "after how much the column begins anew, in SI: `\"2*pi\"`. Turns are counted from the first row that is read", Is("it does not")),
+    Field("average", QUANTITY, "over how long each sample is the mean, up to its time, as many loggers take it: `(10.0, \"ms\")`", Is("0")),
     Field("lowpass", Group(&FILTER), "Butterworth filter that takes off what is faster than its cutoff, `(order: 2, cutoff: (500.0, \"Hz\"))`", Is("none")),
     Field("highpass", Group(&FILTER), "Butterworth filter that takes off what is slower and what is constant (AC coupling)", Is("none")),
 }
