@@ -467,6 +467,7 @@ impl Said {
             time_unit: self.time_unit.clone(),
             counts: self.counts.clone(),
             rig: self.rig,
+            ..Answers::default()
         }
     }
 }

@@ -7,7 +7,7 @@ use crate::question::{Answers, Counted, Question};
 use crate::records::{RecordDraft, Records};
 use crate::remarks::Remark;
 use crate::rig::Rig;
-use crate::roles::{Doubt, ENCODERS, Evidence, Input, Roles};
+use crate::roles::{Doubt, ENCODERS, Evidence, Input, LENGTHS, Roles};
 use crate::start_values::{Drive, Estimate, Motion, loses};
 use crate::statistics::{Statistics, Stops, stops};
 use crate::table::{Column, Table};
@@ -78,6 +78,12 @@ impl Draft {
     pub fn with_answers(mut table: Table, answers: &Answers, tell: &dyn Fn(f64)) -> Result<Draft, NoDraft> {
         name_columns(&mut table, &answers.columns).map_err(NoDraft::Columns)?;
         counts(&mut table, answers);
+        for column in &mut table.columns {
+            if let Some((_, unit)) = answers.units.iter().find(|(heading, _)| *heading == column.heading.raw)
+            {
+                column.heading = column.heading.clone().with_unit(unit);
+            }
+        }
         let time = match TimeColumn::find(&mut table, answers.rate) {
             Ok(time) => time,
             Err(why) => return Draft::without_times(table, answers, why),
@@ -119,7 +125,7 @@ impl Draft {
         for &c in &moving {
             let column = &table.columns[c];
             let whole = column.heading.unit.is_none() && statistics[c].values.is_none() && is_whole(column);
-            if counted(&table, c) || (whole && Some(c) == roles.displacement) {
+            if counted(&table, c) || (whole && Some(c) != roles.velocity && Some(c) == roles.moving()) {
                 let unit = answers.unit_of(&column.heading).map(str::to_owned);
                 count(&mut table.columns[c], unit.as_deref());
             }
@@ -137,6 +143,9 @@ impl Draft {
             let all = table.columns.len() - usize::from(time.counted);
             questions.push(Question::Columns { headings, all });
         }
+        // Who names the columns, or the rig, has seen the numbers.
+        let open = questions.is_empty() && answers.columns.is_empty() && answers.rig.is_none();
+        questions.extend(if open { open_unit(&evidence, &roles) } else { None });
         let Records { records, first, longest, remarks } = Records::of(&evidence, &roles, &runs);
         let mut draft = Draft {
             time,
@@ -450,6 +459,22 @@ impl Draft {
         !matches!(self.table.columns[self.moving()].heading.quantity, Quantity::Unknown)
     }
 }
+
+/// The question for the unit of a displacement that has none, where its name says neither length nor angle, or where its
+/// numbers are too large to be metres or radians.
+fn open_unit(evidence: &Evidence<'_>, roles: &Roles) -> Option<Question> {
+    let column = roles.displacement?;
+    let (heading, statistics) = (evidence.heading(column), &evidence.statistics[column]);
+    let taken = if roles.is_angle { "rad" } else { "m" };
+    let most = if roles.is_angle { 2.0 * std::f64::consts::PI } else { FAR };
+    let named = roles.is_angle || heading.has_word(LENGTHS);
+    let large = statistics.max - statistics.min > most;
+    let open = heading.quantity == Quantity::Unknown && (!named || large);
+    open.then(|| Question::Unit { heading: heading.raw.clone(), taken })
+}
+
+/// A rig whose body moves by more than this (m) is rare: the numbers may be millimetres.
+const FAR: f64 = 10.0;
 
 /// Gives the columns the names that the user says, and leaves out those called `-`. They are still found in
 /// the file by their own.

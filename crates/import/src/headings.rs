@@ -132,10 +132,14 @@ pub(crate) const VELOCITIES: &[&str] = &[
     "w",
     "rate",
     "vx",
+    "gyro",
+    "gyroscope",
+    "gyroskop",
     "geschwindigkeit",
 ];
 /// Words that name an acceleration.
-pub(crate) const ACCELERATIONS: &[&str] = &["a", "acc", "accel", "acceleration", "beschleunigung"];
+pub(crate) const ACCELERATIONS: &[&str] =
+    &["a", "acc", "accel", "acceleration", "beschleunigung", "ax", "ay", "az", "accx", "accy", "accz"];
 
 /// Most bytes of a unit in a heading: each end of a heading of thousands of bytes would be read as a unit
 /// otherwise.
@@ -339,9 +343,11 @@ pub(crate) fn is_beside_units(text: &str) -> bool {
     plain.is_empty() || OTHER_UNITS.contains(&plain.to_lowercase().as_str())
 }
 
-/// A unit without the brackets around it.
+/// A unit without the brackets around it, and without the word `Unit:` before it.
 fn plain_unit(text: &str) -> &str {
-    text.trim_matches(['[', ']', '(', ')', '<', '>', '{', '}', ' '])
+    let text = text.trim_start();
+    let label = text.get(..5).filter(|label| label.eq_ignore_ascii_case("unit:")).map_or(0, str::len);
+    text[label..].trim_matches(['[', ']', '(', ')', '<', '>', '{', '}', ' '])
 }
 
 /// The quantity that a unit measures.

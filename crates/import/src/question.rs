@@ -26,6 +26,13 @@ pub enum Question {
         /// Number of columns of the file.
         all: usize,
     },
+    /// The motion has no unit, and its name or size leaves open what it may be in.
+    Unit {
+        /// Heading of the motion.
+        heading: String,
+        /// The unit that the draft takes.
+        taken: &'static str,
+    },
     /// Nothing that drives the motion is measured, and it does not die out.
     Drive {
         /// Heading of the motion.
@@ -88,6 +95,9 @@ impl fmt::Display for Question {
                 let list = list.collect::<Vec<_>>().join(", ");
                 write!(f, "no heading says what {list}{more} are: which one moves, and what drives it?")
             }
+            Question::Unit { heading, taken } => {
+                write!(f, "`{heading}` has no unit, and may be another thing than {taken}: what is it in?")
+            }
             Question::Drive { heading } => {
                 write!(
                     f,
@@ -127,6 +137,11 @@ impl Question {
                 "say `--columns time_s,x_mm,F_N`, a name with its unit for each of the {all} columns, \
                  and `-` for one that is not used"
             ),
+            Question::Unit { .. } => {
+                "say `--columns time_s,angle_deg,F_N`, a name with its unit for each column, and `-` for one that is not \
+                 used; or write the unit into the heading"
+                    .to_owned()
+            }
             Question::Drive { .. } => {
                 "give a file with the force, the current or the motion of the base beside it, \
                  or say `--rig free` if nothing does"
@@ -162,6 +177,7 @@ impl Question {
                     .counts
                     .push(CountUnit { heading: own.heading.or_else(|| Some(heading.clone())), ..own });
             }
+            Question::Unit { heading, .. } => answers.units.push((heading.clone(), unit_of_motion(text)?)),
             Question::Columns { .. } => {
                 answers.columns = text.split(',').map(|name| name.trim().to_owned()).collect();
             }
@@ -186,6 +202,9 @@ impl Question {
             ),
             Question::Columns { .. } => {
                 "it is drafted as free, with the first of them as the motion".to_owned()
+            }
+            Question::Unit { heading, taken } => {
+                format!("it is taken for {taken}; write `(\"{heading}\", \"deg\")` or another unit in the records")
             }
             Question::Drive { .. } => "it is drafted as free; delete this line if it is".to_owned(),
             Question::Base { .. } => "it is drafted as one; delete this line if it is".to_owned(),
@@ -222,6 +241,16 @@ pub fn rate(text: &str) -> Result<f64, String> {
     sound.ok_or("a number of rows per second, as in 1000 or 2kHz".to_owned())
 }
 
+/// A unit of a length or an angle, as a user says it.
+///
+/// # Errors
+/// In words: what is one.
+fn unit_of_motion(text: &str) -> Result<String, String> {
+    let of = Heading::parse(&format!("x [{text}]"));
+    let unit = of.unit.filter(|_| matches!(of.quantity, Quantity::Length | Quantity::Angle));
+    unit.ok_or("a unit of a length or an angle, such as m, mm, rad, deg, rev".to_owned())
+}
+
 /// A unit of time, as a user says it.
 ///
 /// # Errors
@@ -244,6 +273,8 @@ pub struct Answers {
     pub time_unit: Option<String>,
     /// What a count is.
     pub counts: Vec<CountUnit>,
+    /// Headings without a unit, and what they are in.
+    pub units: Vec<(String, String)>,
     /// The kind of rig.
     pub rig: Option<Rig>,
 }

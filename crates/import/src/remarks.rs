@@ -156,8 +156,9 @@ impl fmt::Display for Remark {
             ),
             Remark::Wraps { heading, period, count, line } => write!(
                 f,
-                "`{heading}` wraps: it jumps by {period} from one end of its range to the other, {count} time{} (first in line {line}). Write it unwrapped into the \
-                 file, in Python with `numpy.unwrap(values, period={period})`",
+                "`{heading}` wraps: it jumps by {period} from one end of its range to the other, {count} time{} (first in line {line}). Say so in \
+                 the records, by `unwrap` of its sensor (the turn, in SI), or write it unwrapped into the file, in Python with \
+                 `numpy.unwrap(values, period={period})`",
                 if *count == 1 { "" } else { "s" }
             ),
             Remark::OtherSheets(names) => {

@@ -3,11 +3,11 @@
 mod evidence;
 mod names;
 
-use crate::headings::{Quantity, VELOCITIES};
+use crate::headings::{Quantity, VELOCITIES, factor};
 use crate::rig::Rig;
 pub(crate) use evidence::Evidence;
-use names::{ACCELERATIONS, BASES, DISPLACEMENTS, FORCES, OUTPUTS};
-pub(crate) use names::{COMMANDS, ENCODERS, is_word_of_a_role};
+use names::{ACCELERATIONS, ANGLES, BASES, DISPLACEMENTS, FORCES, OUTPUTS, TORQUES};
+pub(crate) use names::{COMMANDS, ENCODERS, LENGTHS, is_word_of_a_role};
 use std::fmt;
 
 /// The input of the model.
@@ -149,6 +149,12 @@ impl Roles {
                 && !heading.has_word(COMMANDS)
                 && !heading.is_capital_t()
         };
+        // Three axes of what? Sensors of phones write them so.
+        let axis = |k: usize| matches!(evidence.heading(k).raw.trim(), "x" | "y" | "z");
+        let axes: Vec<usize> = evidence.signals().into_iter().filter(|&k| axis(k)).collect();
+        if axes.len() == 3 && matches!(self.input, Input::None | Input::Base(_)) {
+            return axes;
+        }
         let Some(moving) = self.displacement.filter(|&k| nameless(k)) else { return vec![] };
         let free = |&k: &usize| {
             k != moving && nameless(k) && !self.velocities.contains(&k) && !self.accelerations.contains(&k)
@@ -208,7 +214,7 @@ impl Guess<'_> {
         });
         let rest = self.signals(|k| !velocities.contains(&k) && !accelerations.contains(&k));
         let told = !velocities.is_empty() || !accelerations.is_empty();
-        let (mut displacements, doubt) = self.displacements(&rest, told);
+        let (mut displacements, doubt) = self.displacements(&rest, told, &velocities);
         // A column that equals the derivative of a displacement is a velocity.
         let derivatives = self.signals(|k| {
             rest.contains(&k)
@@ -223,12 +229,12 @@ impl Guess<'_> {
             input_doubt = None;
         }
         self.said_motion(displacement, velocities.first().copied())?;
-        let is_angle = displacement.or(velocities.first().copied()).is_some_and(|k| self.is_angle(k));
         // Beside a displacement a velocity adds nothing: it was usually computed from it, with delay and
-        // smoothing.
-        let velocity = displacement.is_none().then(|| velocities.first().copied()).flatten();
+        // smoothing. Of several axes the one that moves is meant.
+        let velocity = displacement.is_none().then(|| self.most_moving(&velocities)).flatten();
+        let is_angle = displacement.or(velocity).is_some_and(|k| self.is_angle(k));
         let moves = displacement.is_some() || velocity.is_some();
-        let acceleration = (!moves).then(|| accelerations.first().copied()).flatten();
+        let acceleration = (!moves).then(|| self.most_moving(&accelerations)).flatten();
         if !moves && acceleration.is_none() {
             return Err(NoMotion::NoSignal);
         }
@@ -280,9 +286,21 @@ impl Guess<'_> {
         })
     }
 
+    /// Of columns in the unit of the first of them, the one that moves most.
+    fn most_moving(&self, columns: &[usize]) -> Option<usize> {
+        let first = *columns.first()?;
+        let size =
+            |k: usize| self.evidence.statistics[k].std * factor(self.evidence.heading(k).unit.as_deref());
+        let unclear = |k: usize| self.is_unclear(k) && self.is_unclear(first);
+        let alike =
+            columns.iter().copied().filter(|&k| self.quantity(k) == self.quantity(first) || unclear(k));
+        // Of equal ones the first.
+        alike.rev().max_by(|a, b| size(*a).total_cmp(&size(*b)))
+    }
+
     /// Displacements by unit, or else by name. `rest` are the columns that are neither velocities nor
     /// accelerations; `told` says whether there are any of these.
-    fn displacements(&self, rest: &[usize], told: bool) -> (Vec<usize>, Option<Doubt>) {
+    fn displacements(&self, rest: &[usize], told: bool, velocities: &[usize]) -> (Vec<usize>, Option<Doubt>) {
         let command = |k: usize| self.named(k, COMMANDS);
         let by_unit = |k: usize| matches!(self.quantity(k), Quantity::Length | Quantity::Angle);
         let displacements: Vec<usize> = rest.iter().copied().filter(|&k| by_unit(k) && !command(k)).collect();
@@ -302,7 +320,9 @@ impl Guess<'_> {
                         || self.evidence.heading(k).is_capital_t()
                         || (told && self.quantity(k) == Quantity::Electric)
                 };
-                candidates.iter().find(|&&k| !drives(k))
+                // Beside a velocity a column without a name is a displacement if it is its integral.
+                let moves = |k: usize| !told || velocities.iter().any(|&v| self.evidence.is_derivative(k, v));
+                candidates.iter().find(|&&k| !drives(k) && moves(k))
             })
             .or_else(|| (!told).then(|| candidates.first()).flatten())
             .copied();
@@ -322,9 +342,11 @@ impl Guess<'_> {
     }
 
     fn is_angle(&self, k: usize) -> bool {
-        let names = ["theta", "phi", "angle", "alpha", "winkel", "thetadot", "omega"];
+        // A torque acts on an angle.
+        let torque = |&k: &usize| self.quantity(k) == Quantity::Torque || self.named(k, TORQUES);
+        let turns = || self.named(k, ANGLES) || (!self.named(k, LENGTHS) && self.signals.iter().any(torque));
         matches!(self.quantity(k), Quantity::Angle | Quantity::AngularSpeed)
-            || (self.is_unclear(k) && self.rig.and_then(Rig::turns).unwrap_or_else(|| self.named(k, &names)))
+            || (self.is_unclear(k) && self.rig.and_then(Rig::turns).unwrap_or_else(turns))
     }
 
     /// The base, and the wheel before it, as the rig that the user says has them.

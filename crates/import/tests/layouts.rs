@@ -136,7 +136,7 @@ fn layouts() -> Vec<(&'static str, String, Right)> {
                     format!("{stamp},{k},{stamp},,joint_1,{:.7},{:.5},{f:.4}", 10.0 * x, 10.0 * v)
                 },
             ),
-            Drafts(125.0, "field.position0 | -", "drive: field.effort0 | -"),
+            Asks("`field.position0` has no unit"),
         ),
         (
             "decoded CAN messages, one channel a row",
@@ -325,6 +325,92 @@ fn layouts() -> Vec<(&'static str, String, Right)> {
             "write.table of R, with its row names",
             of("\"t_s\" \"x_m\" \"F_N\"\n", 100.0, &|k, t, x, f| format!("\"{}\" {t} {x} {f}", k + 1)),
             Drafts(100.0, "x_m | m", "force: F_N | N"),
+        ),
+        (
+            "a temperature beside a speed",
+            log("time_s,speed_rpm,temp\n", 100.0, |_, t, _, _| {
+                let noise = 1e-3 * (977.0_f64 * t).sin();
+                format!("{t},{:.3},{:.4}", 1500.0 - 60.0 * t + noise, 31.0 + 0.4 * t)
+            }),
+            Drafts(100.0, "speed_rpm | rpm", ""),
+        ),
+        (
+            "three axes of a phone, of which the last one moves",
+            log(
+                "\"Time (s)\",\"Acceleration x (m/s^2)\",\"Acceleration y (m/s^2)\",\"Acceleration z (m/s^2)\"\n",
+                200.0,
+                |_, t, _, _| {
+                    let (a, across) = ringing(t);
+                    format!("{t:.4},{:.4},{:.4},{a:.4}", 0.1 * across, 0.05 * across)
+                },
+            ),
+            Drafts(200.0, "Acceleration z (m/s^2) | m/s^2", ""),
+        ),
+        (
+            "three axes without a word",
+            log("time,seconds_elapsed,z,y,x\n", 100.0, |_, t, x, _| {
+                let stamp = 1_700_000_000_123_000_000_u64 + (1e9 * t) as u64;
+                format!("{stamp},{t:.4},{x:.5},{:.5},{:.5}", 0.1 * x, 0.2 * x)
+            }),
+            Asks("`z`"),
+        ),
+        (
+            "a difference of pandas, whose first cell is empty",
+            log("time_s,angle_deg,speed\n", 100.0, |k, t, x, _| {
+                let before = rig(t - 0.01).0;
+                let speed = if k == 0 { String::new() } else { format!("{:.4}", 1e3 * (x - before)) };
+                format!("{t},{:.4},{speed}", 1e3 * x)
+            }),
+            Asks("does not die out"),
+        ),
+        (
+            "a data frame that is printed, with the numbers of its rows",
+            log("     time_s  x_mm    F_N\n", 100.0, |k, t, x, f| {
+                format!("{k:<5} {t:.2}  {:.4}  {f:.4}", 1e3 * x)
+            }),
+            Drafts(100.0, "x_mm | mm", "force: F_N | N"),
+        ),
+        (
+            "Simulation Data Inspector",
+            log(
+                "time,Position,Force Command\n\"\",\"Type: double\",\"Type: double\"\n\"\",\"Unit: mm\",\"Unit: kN\"\n\
+                 \"\",\"BlockPath: rig/x\",\"BlockPath: rig/F\"\n",
+                500.0,
+                |_, t, x, f| format!("{t},{:.5},{:.7}", 1e3 * x, 1e-3 * f),
+            ),
+            Drafts(500.0, "Position | mm", "force: Force Command | kN"),
+        ),
+        (
+            "the serial monitor of Arduino, with two numbers in a line",
+            log("", 100.0, |_, t, x, f| {
+                let (second, thousandth) = (10 + t as u32, (1e3 * t).round() as u32 % 1000);
+                format!("12:03:{second:02}.{thousandth:03} -> {},{}", (1e5 * x) as i32, (10.0 * f) as i32)
+            }),
+            Asks("how many counts are a turn or a millimetre?"),
+        ),
+        (
+            "a row of dashes in the place of units",
+            log("time_s,x_mm,F_N\n-,-,-\n", 100.0, |_, t, x, f| format!("{t},{:.4},{f:.4}", 1e3 * x)),
+            Drafts(100.0, "x_mm | mm", "force: F_N | N"),
+        ),
+        (
+            "an angle of some forty of something",
+            log("timestamp_ms,angle\n", 100.0, |k, _, x, _| format!("{},{:.3}", 10 * k, 2e3 * x)),
+            Asks("`angle` has no unit, and may be another thing than rad"),
+        ),
+        (
+            "a joint whose torque is measured",
+            log("time_s,position,torque\n", 100.0, |_, t, x, f| format!("{t},{:.5},{:.4}", 10.0 * x, f)),
+            Drafts(100.0, "position | -", "drive: torque | -"),
+        ),
+        (
+            "an accelerometer as its converter has it",
+            log("t_ms,ax,ay,az\n", 100.0, |k, t, _, _| {
+                let (a, across) = ringing(t);
+                let [x, y, z] = [40.0 * across, 20.0 * across, 1670.0 * (a + 9.81)].map(|a| a as i32);
+                format!("{},{x},{y},{z}", 10 * k)
+            }),
+            Asks("`az` counts: how many counts are the acceleration of gravity?"),
         ),
         (
             "PicoScope, with names of its channels",

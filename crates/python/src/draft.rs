@@ -42,7 +42,14 @@ fn draft(
     let time_unit =
         time_unit.map(|unit| phisindy_import::time_unit(&unit).map_err(|why| refused("time_unit", why)));
     let rig = rig.map(|rig| Rig::parse(&rig).map_err(|why| refused("rig", why)));
-    let answers = Answers { rate, columns, time_unit: time_unit.transpose()?, counts, rig: rig.transpose()? };
+    let answers = Answers {
+        rate,
+        columns,
+        time_unit: time_unit.transpose()?,
+        counts,
+        rig: rig.transpose()?,
+        ..Answers::default()
+    };
     py.detach(|| drafted(&path, bytes, sheet.as_deref(), &answers)).map_err(DataError::new_err)
 }
 

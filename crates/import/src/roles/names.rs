@@ -108,8 +108,45 @@ pub(super) const COPIES: &[&str] = &[
 pub(crate) const COMMANDS: &[&str] =
     &["ref", "reference", "goal", "target", "set", "setpoint", "desired", "cmd", "command", "soll", "demand"];
 /// Words for an acceleration.
-pub(super) const ACCELERATIONS: &[&str] =
-    &["a", "acc", "accel", "acceleration", "ddx", "xddot", "beschleunigung"];
+pub(super) const ACCELERATIONS: &[&str] = &[
+    "a",
+    "acc",
+    "accel",
+    "acceleration",
+    "ddx",
+    "xddot",
+    "beschleunigung",
+    "ax",
+    "ay",
+    "az",
+    "accx",
+    "accy",
+    "accz",
+];
+/// Words for a displacement that is a length.
+pub(crate) const LENGTHS: &[&str] = &[
+    "x",
+    "y",
+    "z",
+    "s",
+    "disp",
+    "displacement",
+    "weg",
+    "laser",
+    "lvdt",
+    "mass",
+    "deflection",
+    "stroke",
+    "travel",
+    "auslenkung",
+    "hub",
+    "verschiebung",
+];
+/// Words for a torque, which acts on an angle.
+pub(super) const TORQUES: &[&str] = &["torque", "moment", "tau", "drehmoment"];
+/// Words for an angle.
+pub(super) const ANGLES: &[&str] =
+    &["theta", "phi", "angle", "alpha", "winkel", "drehwinkel", "thetadot", "omega"];
 /// Words for a force or a drive.
 pub(super) const FORCES: &[&str] = &[
     "f",

@@ -20,6 +20,7 @@ pub(super) fn is_comment(line: &[u8]) -> bool {
     match text.first() {
         Some(b'#' | b'%' | b'!') => true,
         Some(b'/') => text.starts_with(b"//"),
+        Some(b'"' | b',') => is_property(text),
         Some(b';') => {
             // `;1,5` is a row whose first cell is empty.
             let rest = text[1..].trim_ascii();
@@ -28,6 +29,18 @@ pub(super) fn is_comment(line: &[u8]) -> bool {
         _ => false,
     }
 }
+
+/// Whether a line holds properties of channels below their names, as Simulink writes them: `"","Type: double"`. Units are
+/// read.
+fn is_property(text: &[u8]) -> bool {
+    let rest = text.strip_prefix(b"\"\"").unwrap_or(text);
+    let Some(cell) = rest.strip_prefix(b",") else { return false };
+    let cell = cell.strip_prefix(b"\"").unwrap_or(cell);
+    PROPERTIES.iter().any(|name| cell.starts_with(name.as_bytes()))
+}
+
+/// What Simulink tells of a channel beside its unit.
+const PROPERTIES: [&str; 4] = ["Type:", "Interp:", "BlockPath:", "PortIndex:"];
 
 fn is_number(bytes: &[u8]) -> bool {
     std::str::from_utf8(bytes).is_ok_and(looks_like_number)

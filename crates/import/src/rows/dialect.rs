@@ -177,7 +177,8 @@ pub(crate) fn is_units_row(dialect: &Dialect, line: &str) -> bool {
     let units = cells.iter().filter(|cell| is_unit(cell) && !number(cell)).count();
     let beside = |cell: &&String| !is_unit(cell) && is_beside_units(cell);
     // `t / ms;s / mm` are names and their units, though a tonne per millisecond is a unit.
-    units > 0
+    let none = cells.iter().all(|cell| matches!(cell.as_str(), "-" | "--"));
+    (units > 0 || none)
         && !cells.iter().all(|cell| is_name_over_unit(cell))
         && units + cells.iter().filter(beside).count() == cells.len()
 }

@@ -100,7 +100,7 @@ impl Header {
             Some(line) if is_units_row(&dialect, &line.text) => (Some(dialect.cells(&line.text)), vec![]),
             other => (units_behind_a_sign(), other.into_iter().collect()),
         };
-        // R writes names of rows in quotes, and no name above them.
+        // R and pandas write names or numbers of rows, and no name above them.
         let of_rows = |row: &Line| has_row_name(&dialect, row, cells.len());
         if rows.first().is_some_and(of_rows) {
             cells.insert(0, String::new());
@@ -112,9 +112,14 @@ impl Header {
     }
 }
 
-/// Whether a row has its own name in quotes, and so one cell more than so many names above it.
+/// Whether a row has its own name, in quotes or as its number, and so one cell more than so many names above it.
 pub(super) fn has_row_name(dialect: &Dialect, row: &Line, names: usize) -> bool {
-    row.text.trim_start().starts_with('"') && dialect.fields(&row.text).len() == names + 1
+    let fields = dialect.fields(&row.text);
+    let named = |own: &Range<usize>| {
+        let text = &row.text[own.clone()];
+        text.starts_with('"') || (names > 1 && text.bytes().all(|b| b.is_ascii_digit()))
+    };
+    fields.len() == names + 1 && named(&fields[0])
 }
 
 /// The number of a column, counted from 1, in the place of a name that is missing; and which columns these

@@ -4,10 +4,12 @@
 use super::comment::is_comment;
 use super::encoding::{Decoded, is_utf16, is_utf32, text};
 use super::line::{Line, LineError};
+use crate::clock::is_stamp;
 use crate::data_file::DataFile;
 use crate::format::recognized;
 use crate::refusal::{Refusal, Wanted};
 use crate::sheet::Sheet;
+use std::borrow::Cow;
 use std::io::{self, BufRead, BufReader, Read};
 
 /// Most bytes of a line; longer ones belong to no table.
@@ -174,9 +176,37 @@ impl<'a> Lines<'a> {
             if let Some(zero) = self.buffer.iter().position(|b| *b == 0) {
                 return Err(LineError::NotText(text(&self.buffer[..zero]).into_owned(), self.number));
             }
-            let text = text(&self.buffer).into_owned();
+            let text = monitored(text(&self.buffer)).into_owned();
             self.contents += 1;
             return Ok(Some(Line { text, number: self.number, ended }));
+        }
+    }
+}
+
+/// A line of a serial monitor, `12:03:41.117 -> 712,500` or `... > 712,500`, with the separator of its numbers in the
+/// place of the arrow. What a microcontroller prints has decimal points.
+fn monitored(line: Cow<'_, str>) -> Cow<'_, str> {
+    let parts = [" -> ", " > "].iter().find_map(|arrow| Some((line.split_once(arrow)?, arrow.len())));
+    let Some(((stamp, rest), length)) = parts.filter(|((stamp, _), _)| is_stamp(stamp.trim())) else {
+        return line;
+    };
+    let separator = [";", "\t", ","].into_iter().find(|mark| rest.contains(*mark)).unwrap_or(" ");
+    Cow::Owned(format!("{stamp}{separator}{}{rest}", " ".repeat(length - separator.len())))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_monitor_puts_a_stamp_before_each_line() {
+        for (line, due) in [
+            ("12:03:41.117 -> 712,500", "12:03:41.117,   712,500"),
+            ("12:03:41.117 > 8;-6", "12:03:41.117;  8;-6"),
+            ("12:03:41.117 -> 8 6", "12:03:41.117    8 6"),
+            ("a -> 7,5", "a -> 7,5"),
+        ] {
+            assert_eq!(monitored(line.into()), due);
         }
     }
 }

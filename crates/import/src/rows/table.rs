@@ -16,6 +16,7 @@ use crate::stated_rate::{StatedRate, rate_of_column, stated_rate};
 use crate::table::{Column, Table};
 use phisindy_expr::Span;
 use phisindy_phys::{Diagnostic, SourceId, Sources};
+use std::borrow::Cow;
 
 /// Most numbers in memory: 80 MB.
 const MOST_NUMBERS: usize = 10_000_000;
@@ -263,9 +264,11 @@ fn words_before(start: &[Line], separator: Option<char>) -> usize {
     let trailing = dialect.fields_of(last, width + 1).len() == width + 1;
     let fits = |count: usize| count == width || (trailing && count == width + 1);
     let numbers = |line: &Line| {
-        let fields = dialect.fields(&line.text);
-        let good = fields.iter().filter(|f| looks_like_number(&dialect.unquoted(&line.text, f))).count();
-        fits(fields.len()) && 2 * good > width
+        let cells: Vec<Cow<'_, str>> =
+            dialect.fields_of(line, width).iter().map(|f| dialect.unquoted(&line.text, f)).collect();
+        let good = cells.iter().filter(|cell| looks_like_number(cell)).count();
+        let missing = cells.iter().filter(|cell| is_missing(cell)).count();
+        fits(cells.len()) && good > 0 && 2 * (good + missing) > width
     };
     // A preamble may hold numbers too, but they do not fill all following lines.
     let Some(words) = start.iter().rposition(|line| !numbers(line)) else { return 0 };

@@ -74,10 +74,12 @@ pub(super) fn constants(draft: &Draft, notation: &Notation, load: Option<f64>, t
     // Ten times critical damping, or as much as was found.
     let most = 10.0 * damping.max(estimate.damping);
     add(text, "c", start * per, notation.damper_unit, (0.0, most * per), &format!("EDIT: {what}"));
-    if let Input::Drive(_) = draft.roles.input {
+    if let Input::Drive(column) = draft.roles.input {
         // Where the regression tells none, the one that the size of drive and acceleration suggest.
         let plausible = || (draft.motion.plausible_inertia().map_or(1.0, f64::recip), WIDE * WIDE);
         let (gain, wide) = estimate.input_gain.filter(|b| *b != 0.0).map_or_else(plausible, |b| (b, 5.0));
+        // The gain is for each unit of the column.
+        let gain = gain * draft.factor(column);
         let size = wide * gain.abs();
         let comment = "EDIT: acceleration for each unit of the input; either sign";
         add(text, "b", gain, &notation.gain_unit, (-size, size), comment);

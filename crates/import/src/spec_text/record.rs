@@ -154,7 +154,12 @@ fn middle(draft: &Draft, c: usize) -> (f64, f64, f64) {
 /// Start value and bounds of the sensor offset, in SI.
 fn zero(draft: &Draft) -> (f64, f64, f64) {
     let (low, high) = draft.extent;
-    let half = if draft.motion.is_pendulum { 0.5 } else { 0.5 * (high - low) };
+    // A pendulum that is driven need not come near its rest, which may be at any angle.
+    let half = match (draft.motion.is_pendulum, draft.roles.input) {
+        (true, Input::None) => 0.5,
+        (true, _) => std::f64::consts::PI,
+        (false, _) => 0.5 * (high - low),
+    };
     let mut rest = draft.estimate.rest;
     if let Some(base) = &draft.motion.base {
         rest -= base.iter().sum::<f64>() / base.len().max(1) as f64;
