@@ -60,8 +60,10 @@ impl Search<'_> {
         {
             return (searched, false);
         }
+        let mut searched = searched;
+        let asked = searched.changed.take();
         let Searched { base, last, candidates, .. } = &searched;
-        let (all, mut fits) = changed_constants(last, self.noise);
+        let ChangedConstants { all, mut fits } = asked.unwrap_or_else(|| changed_constants(base, self.noise));
         let alone = fits.first().is_some_and(|f| f.model.effects.len() == 1);
         if fits.first().is_none_or(|best| !is_finding(best, all, last, *candidates)) {
             return (searched, alone);
@@ -72,11 +74,18 @@ impl Search<'_> {
     }
 }
 
-/// The number of constants of the spec, and the models in which a few of them have other values and nothing is added, as
-/// far as they explain the data, best first. Constants are freed one after the other beside the few choices that leave
+/// What other values of the constants of a spec explain.
+pub(crate) struct ChangedConstants {
+    /// How many constants may have one.
+    all: usize,
+    /// The models that explain the data, best first.
+    pub(crate) fits: Vec<Fitted>,
+}
+
+/// The models in which a few constants of the spec have other values and nothing is added. Constants are freed one after the other beside the few choices that leave
 /// least; models with more of them than needed are not tried.
-fn changed_constants(last: &Fitted, noise: &[Vec<f64>]) -> (usize, Vec<Fitted>) {
-    let base = last.model.without_effects();
+pub(crate) fn changed_constants(of: &Fitted, noise: &[Vec<f64>]) -> ChangedConstants {
+    let base = of.model.without_effects();
     let all = changeable(&base.given.spec);
     let mut least = f64::INFINITY;
     let mut from = vec![base];
@@ -93,7 +102,7 @@ fn changed_constants(last: &Fitted, noise: &[Vec<f64>]) -> (usize, Vec<Fitted>) 
         fits.sort_by(|a, b| a.score.fit.total_cmp(&b.score.fit));
         if fits.iter().any(|f| f.score.explains()) {
             fits.retain(|f| f.score.explains());
-            return (all.len(), fits);
+            return ChangedConstants { all: all.len(), fits };
         }
         // A choice that helps little is none.
         let Some(best) = fits.first().filter(|f| f.score.fit * SUBSTANTIAL <= least) else { break };
@@ -101,7 +110,7 @@ fn changed_constants(last: &Fitted, noise: &[Vec<f64>]) -> (usize, Vec<Fitted>) 
         fits.truncate(CHANGES_KEPT);
         from = fits.iter().map(Fitted::settled).collect();
     }
-    (all.len(), vec![])
+    ChangedConstants { all: all.len(), fits: vec![] }
 }
 
 /// The names of the constants that changed, in order.

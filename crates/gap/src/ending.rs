@@ -53,7 +53,7 @@ impl<'s, 'a> Ending<'s, 'a> {
         search: &'s mut Search<'a>,
         mut warnings: Vec<Warning>,
     ) -> Result<Self, GapError> {
-        let Searched { base, last, rounds, candidates, stop, needed, tried, force } = searched;
+        let Searched { base, last, rounds, candidates, stop, needed, tried, force, changed: _ } = searched;
         let (base, last) = (base.chosen(), last.chosen());
         // A white residual is the noise itself: a better estimate than the one from the columns.
         let noise = if last.score.is_white() { last.noise(search.noise) } else { search.noise.to_vec() };

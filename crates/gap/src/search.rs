@@ -11,6 +11,7 @@ pub(crate) use proposals::neutral;
 pub(crate) use refine::refitted;
 pub(crate) use task::{Observe, Observer, ROUND, SEARCHED, Search};
 
+use crate::changed_constants::{ChangedConstants, changed_constants};
 use crate::decisions::{
     FAMILY_ROUNDS, FAR_OFF, MORE_STARTS, MOST_EFFECTS, ON_THE_WAY, PAIRS_RACED, RACE, REPEATS, RICHER,
     RIVALS, SEARCHES_AGAIN, SEEDED_STRIDE, SEGMENTS_END, SHRINKS, SIMPLER, WEAK_ROUND, WORTH, WORTH_STARTS,
@@ -73,6 +74,8 @@ pub(crate) struct Searched {
     pub(crate) tried: (Vec<Tried>, Vec<NotTried>),
     /// The missing force without a formula, where neither a law nor a formula explains the data.
     pub(crate) force: Option<MissingForce>,
+    /// The models whose constants have other values, where they were asked for within the search.
+    pub(crate) changed: Option<ChangedConstants>,
 }
 
 /// State at the start of a round.
@@ -159,6 +162,7 @@ impl Search<'_> {
         let mut rounds = Vec::new();
         let (mut candidates, mut weak) = (1, 0);
         let mut first: Option<(Vec<Tried>, Vec<NotTried>)> = None;
+        let mut changed = None;
         let drawing = Drawing::of(&base, self.noise);
         let mut stop = loop {
             if let Some(stop) = self.ends(&now, rounds.len(), weak) {
@@ -166,6 +170,16 @@ impl Search<'_> {
             }
             if !rounds.is_empty() && drawing.hides_the_rest(&now) {
                 break StopReason::CoarseInput;
+            }
+            // Laws one after the other imitate numbers that are wrong. Where other numbers explain the data alone, no
+            // second round can say more.
+            if rounds.len() == 1 && changed.is_none() {
+                let found = changed_constants(&base, self.noise);
+                let explain = !found.fits.is_empty();
+                changed = Some(found);
+                if explain {
+                    break StopReason::NothingHelps;
+                }
             }
             let part = 0.1 + ROUND * rounds.len() as f64;
             let round = RoundStart { number: rounds.len() + 1, gap: now.score.gap() };
@@ -225,7 +239,17 @@ impl Search<'_> {
             )?))
         });
         let tried = after_fits(first.unwrap_or_default(), &rounds, &now);
-        Ok(Searched { base, last: now, rounds, candidates, stop, needed: vec![], tried, force: None })
+        Ok(Searched {
+            base,
+            last: now,
+            rounds,
+            candidates,
+            stop,
+            needed: vec![],
+            tried,
+            force: None,
+            changed,
+        })
     }
 
     /// The reason why the search ends after this number of rounds, `weak` of which were weak; `None` if it

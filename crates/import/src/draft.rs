@@ -189,7 +189,11 @@ impl Draft {
                 }
                 // Who names the columns has named no drive.
                 _ if alone && answers.columns.is_empty() && !draft.motion.dies_out() => {
-                    Some(Question::Drive { heading: motion })
+                    let others = &draft.roles.accelerations;
+                    let other = others.iter().find(|k| Some(**k) == draft.roles.acceleration);
+                    let beside = other.and_then(|own| others.iter().find(|k| *k != own));
+                    let beside = beside.map(|&k| draft.raw(k).to_owned());
+                    Some(Question::Drive { heading: motion, beside })
                 }
                 _ => None,
             });

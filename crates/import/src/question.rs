@@ -37,6 +37,8 @@ pub enum Question {
     Drive {
         /// Heading of the motion.
         heading: String,
+        /// Of an accelerometer, heading of another one, which may be on the base.
+        beside: Option<String>,
     },
     /// Of two displacements no heading says whether one is the base of the other.
     Base {
@@ -98,7 +100,13 @@ impl fmt::Display for Question {
             Question::Unit { heading, taken } => {
                 write!(f, "`{heading}` has no unit, and may be another thing than {taken}: what is it in?")
             }
-            Question::Drive { heading } => {
+            Question::Drive { heading, beside: Some(other) } => {
+                write!(
+                    f,
+                    "`{heading}` does not die out: is `{other}` the acceleration of the base that drives it?"
+                )
+            }
+            Question::Drive { heading, beside: None } => {
                 write!(
                     f,
                     "`{heading}` does not die out, and nothing that drives it is measured: what drives it?"
@@ -142,7 +150,12 @@ impl Question {
                  used; or write the unit into the heading"
                     .to_owned()
             }
-            Question::Drive { .. } => {
+            Question::Drive { beside: Some(_), .. } => {
+                "a base that is known by its acceleration is written by hand: an input `ab`, states z and v relative to the \
+                 base, `\"v\": \"-c*v - k*z - ab\"`, the output `rate(v) + ab`; say `--rig free` if nothing drives it"
+                    .to_owned()
+            }
+            Question::Drive { beside: None, .. } => {
                 "give a file with the force, the current or the motion of the base beside it, \
                  or say `--rig free` if nothing does"
                     .to_owned()

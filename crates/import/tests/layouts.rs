@@ -404,6 +404,13 @@ fn layouts() -> Vec<(&'static str, String, Right)> {
             Drafts(100.0, "position | -", "drive: torque | -"),
         ),
         (
+            "an analyser with an accelerometer on the base",
+            log("Time (s),ACC mass (m/s2),ACC base (m/s2)\n", 200.0, |_, t, x, f| {
+                format!("{t},{:.5},{:.5}", 100.0 * x, 0.1 * f)
+            }),
+            Asks("is `ACC base (m/s2)` the acceleration of the base that drives it?"),
+        ),
+        (
             "an accelerometer as its converter has it",
             log("t_ms,ax,ay,az\n", 100.0, |k, t, _, _| {
                 let (a, across) = ringing(t);

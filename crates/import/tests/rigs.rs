@@ -38,7 +38,7 @@ fn rows(heading: &str, row: impl Fn(f64) -> Vec<f64>) -> String {
 fn a_motion_that_goes_on_is_driven_by_something() {
     let going = rows("t_s,x_m", |t| vec![t, (5.0 * t).sin() + 0.3 * (11.3 * t).sin()]);
     let (draft, text) = drafted(&going, &Answers::default()).expect("a draft");
-    assert_eq!(draft.questions, [Question::Drive { heading: "x_m".to_owned() }]);
+    assert_eq!(draft.questions, [Question::Drive { heading: "x_m".to_owned(), beside: None }]);
     assert!(text.starts_with("// QUESTION: `x_m` does not die out"), "{text}");
     // The user says that nothing does.
     let mut answers = Answers::default();

@@ -40,7 +40,7 @@ pub use system::model::Model;
 pub use system::note::Note;
 pub use system::own_times::OwnTimes;
 pub use system::plan::{Origin, RecordPlan, Synthetic, SyntheticInput};
-pub use system::record::{Derivation, Overlap, Record, Units, link_continuations, overlaps};
+pub use system::record::{Derivation, Overlap, OwnColumn, Record, Units, link_continuations, overlaps};
 pub use system::requirement::Requirement;
 pub use system::sensor::{Sensor, SensorParameter};
 pub use system::table::{Samples, Table};

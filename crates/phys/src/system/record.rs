@@ -52,6 +52,9 @@ pub struct Record {
     pub notes: Vec<Note>,
 }
 
+/// Times and values of a column, as they were sampled.
+pub type OwnColumn<'a> = (Cow<'a, [f64]>, Cow<'a, [f64]>);
+
 /// An input that was derived from a measured one.
 #[derive(Clone, Debug)]
 pub struct Derivation {
@@ -133,7 +136,7 @@ impl Record {
     }
 
     /// Times and values of a column, as they were sampled.
-    pub fn own_column(&self, column: usize) -> Option<(Cow<'_, [f64]>, Cow<'_, [f64]>)> {
+    pub fn own_column(&self, column: usize) -> Option<OwnColumn<'_>> {
         let values = self.columns.get(column)?.as_deref()?;
         Some((self.own_times.of(column, &self.time), self.own_times.of(column, values)))
     }
