@@ -3,7 +3,7 @@
 #![allow(missing_docs)]
 
 use phisindy::files::Request;
-use phisindy_page::Page;
+use phisindy_page::{Page, Source};
 use phisindy_report::StopReason;
 use proptest::collection::vec;
 use proptest::prelude::*;
@@ -42,6 +42,10 @@ impl Served {
 
     fn of(folder: TempDir, first: Option<&str>) -> Served {
         let page = Page::open(folder.path(), first, 0, Request::default()).expect("a page");
+        Served::by(folder, page)
+    }
+
+    fn by(folder: TempDir, page: Page) -> Served {
         let (url, stop) = (page.url(), Arc::new(AtomicBool::new(false)));
         let asked = Arc::clone(&stop);
         let serve =
@@ -921,4 +925,164 @@ fn two_tabs_and_an_editor_lose_no_edit() {
         std::thread::sleep(Duration::from_millis(50));
     }
     assert!(page.text("a-3.ron").starts_with("/* last */") && page.text("a.ron").starts_with("/* third */"));
+}
+
+/// A driven body that rubs, as a board sends it: a heading, then a row each millisecond.
+fn board(seconds: u32) -> Vec<String> {
+    let (mut x, mut v, mut seed, fine) = (0.0_f64, 0.0_f64, 1_u64, 20);
+    let mut lines = vec!["time_s,x_mm,F_N\r\n".to_owned()];
+    for i in 0..1000 * seconds {
+        let force = |t: f64| 3.0 * (1.0 + 0.5 * (0.7 * t).sin()) * (9.0 * t).cos();
+        let t = f64::from(i) * 1e-3;
+        // Readings of a sensor with some 10 um of noise: D. Knuth's multiplier, its high bits.
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+        let noise = 0.03 * ((seed >> 32) as f64 / f64::from(u32::MAX) - 0.5);
+        lines.push(format!("{t:.3},{:.4},{:.4}\r\n", 1e3 * x + noise, force(t)));
+        for s in 0..fine {
+            let h = 1e-3 / f64::from(fine);
+            let push = force(t + h * f64::from(s)) - 60.0 * x - 1.0 * v;
+            let rubbed = v + h / 2.0 * (push - 0.3 * v.signum());
+            // It stays where it is stopped while the push is below the friction.
+            v = if rubbed * v <= 0.0 && push.abs() < 0.3 { 0.0 } else { rubbed };
+            x += h * v;
+        }
+    }
+    lines
+}
+
+/// What the board of [`board`] is known to be, with a file that is not there.
+const RIG: &str = r#"(
+    states: { "x": "m", "v": "m/s" }, inputs: { "F": "N" }, inertia: { "v": "m" }, contacts: ["v"],
+    constants: { "m": (2.0, "kg"), "k": (value: 50.0, unit: "N/m", within: (1.0, 900.0)), "c": (value: 0.5, unit: "N*s/m", within: (0.0, 20.0)) },
+    known: { "x": "v", "v": "(F - k*x - c*v)/m" },
+    data: [Csv(path: "rig.csv", time: ("time_s", "s"), columns: { "x": ("x_mm", "mm"), "F": ("F_N", "N") }, window: (0.0, 3.0))], // as sent
+)"#;
+
+/// Sends lines as a board does, a row each millisecond, in pieces that end anywhere.
+fn sent(lines: &[String], mut to: impl Write) {
+    let bytes: Vec<u8> = lines.concat().into_bytes();
+    let (began, each) = (Instant::now(), bytes.len() / lines.len());
+    for (k, piece) in bytes.chunks(each * 7 + 3).enumerate() {
+        let due = Duration::from_micros(1000 * (k * (each * 7 + 3) / each) as u64);
+        std::thread::sleep(due.saturating_sub(began.elapsed()));
+        to.write_all(piece).expect("it is read");
+    }
+}
+
+/// Follows a source while its lines are sent; whether all of them are in the file, and what was judged.
+fn followed(
+    source: &str,
+    spec: Option<&str>,
+    lines: &[String],
+    send: impl FnOnce() + Send,
+) -> (Served, Value) {
+    let folder = tempfile::tempdir().expect("a folder");
+    if let Some(text) = spec {
+        std::fs::write(folder.path().join("rig.ron"), text).expect("written");
+    }
+    let page = Page::open(folder.path(), spec.map(|_| "rig.ron"), 0, Request::default()).expect("a page");
+    let page = page.follow(source.parse().expect("a source")).expect("it is read");
+    let served = Served::by(folder, page);
+    let late = std::thread::scope(|threads| {
+        let sender = threads.spawn(send);
+        while !sender.is_finished() {
+            served.json("GET", "api/live", "");
+            std::thread::sleep(Duration::from_millis(200));
+        }
+        let since = Instant::now();
+        loop {
+            let now = served.json("GET", "api/live", "");
+            if now["lines"] == lines.len() && now["judged_lines"] == lines.len() {
+                break since.elapsed();
+            }
+            assert!(
+                since.elapsed() < PATIENCE,
+                "{} {} {}",
+                now["lines"],
+                now["judged_lines"],
+                now["trouble"]
+            );
+            std::thread::sleep(Duration::from_millis(20));
+        }
+    });
+    println!("{source}: judged {:.2} s after the last of {} lines", late.as_secs_f64(), lines.len());
+    served.json("POST", "api/live-stop", "");
+    let since = Instant::now();
+    while served.json("GET", "api/live", "")["ended"] != true {
+        assert!(since.elapsed() < PATIENCE);
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    assert_eq!(served.text("live.csv"), lines.concat(), "{source}");
+    let now = served.json("GET", "api/live", "");
+    (served, now)
+}
+
+/// Seconds that a board sends for: `PHISINDY_LIVE=60` is a minute at 1 kHz.
+fn live_seconds() -> u32 {
+    std::env::var("PHISINDY_LIVE").ok().and_then(|text| text.parse().ok()).unwrap_or(4)
+}
+
+#[cfg(unix)]
+#[test]
+fn a_board_is_followed_and_no_sample_is_lost() {
+    use std::os::fd::AsRawFd;
+    let (board_side, our_side) = serial2::SerialPort::pair().expect("a pseudo-terminal");
+    let port = std::fs::read_link(format!("/proc/self/fd/{}", our_side.as_raw_fd())).expect("a name");
+    let lines = board(live_seconds());
+    let (served, now) =
+        followed(&format!("serial:{}", port.display()), Some(RIG), &lines, || sent(&lines, &board_side));
+    // The spec that judges is a copy, comments kept; what it says is what `gap` will be asked.
+    assert_eq!(
+        (&now["spec"], &served.json("GET", "api/state", "")["first"]),
+        (&json!("rig-live.ron"), &json!("rig-live.ron"))
+    );
+    let spec = served.text("rig-live.ron");
+    assert!(
+        spec.contains("live.csv") && spec.contains("// as sent") && served.text("rig.ron") == RIG,
+        "{spec}"
+    );
+    let force = &now["judged"]["forces"][0];
+    assert_eq!((&force["speed"], &force["unit"]), (&json!("v"), &json!("N")), "{now}");
+    let at = |k: usize| force["nodes"][k][1].as_f64().expect("a force");
+    let last = force["nodes"].as_array().expect("nodes").len() - 1;
+    let due = |k: usize| force["nodes"][k][0].as_f64().expect("a speed");
+    for k in [0, last] {
+        assert!((at(k) - 0.3 * due(k).signum() - due(k)).abs() < 0.2, "{force}");
+    }
+    assert!(
+        now["judged"]["words"]
+            .as_str()
+            .is_some_and(|w| w.starts_with("Enough") || w.starts_with("Move") || w.starts_with("Go on")),
+        "{now}"
+    );
+    // The same result as of the file afterwards: the same bytes, by the same spec.
+    let check = served.json("POST", "api/check?name=rig-live.ron", &spec);
+    assert_eq!(check["ok"], true, "{check}");
+}
+
+#[test]
+fn a_socket_and_a_file_are_followed_too() {
+    let lines = board(2);
+    let listener = std::net::TcpListener::bind("127.0.0.1:0").expect("a port");
+    let address = listener.local_addr().expect("an address");
+    let (_, now) = followed(&format!("tcp://{address}"), None, &lines, || {
+        sent(&lines, listener.accept().expect("it connects").0);
+    });
+    assert!(now["judged"]["curves"].as_array().is_some_and(|c| c.len() == 2), "{now}");
+    let file = tempfile::NamedTempFile::new().expect("a file");
+    let mut grows = file.reopen().expect("the file");
+    followed(&file.path().display().to_string(), None, &lines, || sent(&lines, &mut grows));
+}
+
+#[test]
+fn a_source_that_is_not_there_says_so() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for source in ["serial:/dev/none", "tcp://127.0.0.1:1", "none.csv"] {
+        let page = Page::open(folder.path(), None, 0, Request::default()).expect("a page");
+        let why = page.follow(source.parse().expect("a source")).map(|_| ()).expect_err("nothing is there");
+        assert!(why.to_string().contains(source), "{why}");
+    }
+    for wrong in ["serial:", "serial:/dev/x@fast", "tcp://host", "tcp://host:port"] {
+        assert!(wrong.parse::<Source>().is_err(), "{wrong}");
+    }
 }

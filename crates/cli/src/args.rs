@@ -9,6 +9,7 @@ use clap::parser::ValueSource;
 use clap::{CommandFactory, Parser, Subcommand, ValueEnum};
 use phisindy::files::{Assignment, Naming, Request, open_plain_file};
 use phisindy_import::{Answers, CountUnit, Rig};
+use phisindy_page::Source;
 use phisindy_phys::spec::Method;
 use phisindy_report::export::{EXPORTERS, Exporter};
 use phisindy_report::{Look, Plan, RESULT};
@@ -305,7 +306,8 @@ Examples:
   phisindy open                 the working folder is this one
   phisindy open rig.csv         begin with a data file; its folder is the working folder
   phisindy open rig.ron         begin with a spec
-  phisindy open --no-open       only print the address",
+  phisindy open --no-open       only print the address
+  phisindy open rig.ron --live serial:/dev/ttyUSB0   follow a board, and say when the record is enough",
         after_help = "\
 The page is for this machine and this user alone: it listens on 127.0.0.1 and answers only to the address with the token that is printed.
 It loads nothing from the network. Data, spec and results are files in the working folder. End it with Ctrl-C; nothing is lost."
@@ -484,6 +486,9 @@ pub(crate) struct OpenArgs {
     /// Only print the address; open no browser
     #[arg(long)]
     pub(crate) no_open: bool,
+    /// Follow a record that grows: serial:/dev/ttyUSB0[@BAUD], tcp://HOST:PORT, or a file that another program writes
+    #[arg(long, value_name = "SOURCE")]
+    pub(crate) live: Option<Source>,
 }
 
 /// What to export.

@@ -6,6 +6,7 @@
 //!     routes --+-- columns: a data file, its columns, a spec for it
 //!              +-- check:   a spec, its mistakes by line
 //!              +-- jobs:    `run` and `gap` on a thread, their progress
+//!              +-- live:    a record that grows, judged as it does
 //!              +-- results: folders that are finished, their files, exports
 //! ```
 //!
@@ -20,6 +21,7 @@ mod columns;
 mod folder;
 mod guard;
 mod jobs;
+mod live;
 mod reply;
 mod request;
 mod results;
@@ -30,15 +32,18 @@ mod site;
 use folder::Working;
 use guard::Guard;
 use jobs::Jobs;
+use live::Live;
+pub use live::Source;
 use phisindy::files::{Request, spec_text};
 use phisindy_report::StopReason;
 use phisindy_report::spec_text::named_data;
 use server::Server;
 use site::Site;
+use std::fs::File;
 use std::io;
 use std::net::{Ipv4Addr, SocketAddr, TcpListener};
 use std::path::Path;
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Interval at which the page asks whether to stop.
@@ -50,6 +55,8 @@ const GRACE: Duration = Duration::from_secs(60);
 pub struct Page {
     listener: TcpListener,
     site: Arc<Site>,
+    /// The lines of a record that grows, and its file, until somebody reads them.
+    growing: Mutex<Option<(live::Stream, File)>>,
 }
 
 impl Page {
@@ -80,8 +87,24 @@ impl Page {
             request,
             turn: Mutex::new(()),
             first: first.map(str::to_owned),
+            live: None,
         };
-        Ok(Page { listener, site: Arc::new(site) })
+        Ok(Page { listener, site: Arc::new(site), growing: Mutex::new(None) })
+    }
+
+    /// The page with a record that grows: its lines go into a file of the folder, `live.csv` or a name like it, and
+    /// are judged while they come. Where the page begins with a spec, a copy of that which reads the record judges it.
+    ///
+    /// # Errors
+    /// The source cannot be read, or the folder takes no file.
+    pub fn follow(mut self, source: Source) -> io::Result<Page> {
+        let site =
+            Arc::get_mut(&mut self.site).ok_or_else(|| io::Error::other("the page is served already"))?;
+        let (live, stream, file) = Live::open(&site.folder, source, site.first.as_deref())?;
+        site.first = live.first().map(str::to_owned).or(site.first.take());
+        site.live = Some(live);
+        self.growing = Mutex::new(Some((stream, file)));
+        Ok(self)
     }
 
     /// The address, with the token.
@@ -101,6 +124,11 @@ impl Page {
         let server = Server::new(Arc::clone(&self.site));
         std::thread::scope(|threads| {
             threads.spawn(|| server.accept(&self.listener));
+            let growing = self.growing.lock().unwrap_or_else(PoisonError::into_inner).take();
+            if let (Some(live), Some((stream, file))) = (&self.site.live, growing) {
+                threads.spawn(|| live.record(stream, file));
+                threads.spawn(|| live.judge(&self.site.folder, &self.site.request));
+            }
             let why = loop {
                 match stop() {
                     Some(why) => break why,
@@ -108,6 +136,7 @@ impl Page {
                 }
             };
             self.site.jobs.close(why);
+            self.site.live.iter().for_each(Live::stop);
             let since = Instant::now();
             while self.site.jobs.busy() && since.elapsed() < GRACE {
                 std::thread::sleep(TICK);

@@ -113,20 +113,23 @@ $("rig").onchange = guarded(() => { page.rig = $("rig").value; return reassign()
 $("rate").onchange = guarded(() => { page.rate = $("rate").value.trim(); return reassign(); });
 function curve(c) {
   const W = 900, H = 110, left = 8, points = c.points.filter(p => p[1] !== null);
-  const box = document.createElement("div");
-  if (!points.length) return box;
+  if (!points.length) return document.createElement("div");
   const xs = points.map(p => p[0]), ys = points.map(p => p[1]);
   const [x0, x1] = [Math.min(...xs), Math.max(...xs)], [y0, y1] = [Math.min(...ys), Math.max(...ys)];
   const X = x => left + (W - 2 * left) * (x - x0) / ((x1 - x0) || 1), Y = y => H - 22 - (H - 40) * (y - y0) / ((y1 - y0) || 1);
-  const ns = "http://www.w3.org/2000/svg", svg = document.createElementNS(ns, "svg");
-  svg.setAttribute("viewBox", `0 0 ${W} ${H}`); svg.setAttribute("width", "100%"); svg.setAttribute("role", "img");
-  svg.setAttribute("aria-label", `${c.heading} against time, from ${short(y0)} to ${short(y1)}`);
-  const put = (tag, set, text) => { const e = document.createElementNS(ns, tag); for (const k in set) e.setAttribute(k, set[k]); if (text) e.textContent = text; svg.append(e); };
+  const { box, put } = drawing(W, H, `${c.heading} against time, from ${short(y0)} to ${short(y1)}`);
   put("text", { x: left, y: 12 }, `${c.heading}, from ${short(y0)} to ${short(y1)} ${c.unit || ""}`);
   put("polyline", { points: points.map(p => X(p[0]).toFixed(1) + "," + Y(p[1]).toFixed(1)).join(" "), fill: "none", stroke: "var(--blue)", "stroke-width": 1.3 });
   put("text", { x: left, y: H - 4 }, short(x0)); put("text", { x: W - left, y: H - 4, "text-anchor": "end" }, short(x1));
-  box.append(svg);
   return box;
+}
+// A picture with these words for who does not see it, and what puts a mark into it.
+function drawing(W, H, words) {
+  const box = document.createElement("div"), ns = "http://www.w3.org/2000/svg", svg = document.createElementNS(ns, "svg");
+  svg.setAttribute("viewBox", `0 0 ${W} ${H}`); svg.setAttribute("width", "100%"); svg.setAttribute("role", "img");
+  svg.setAttribute("aria-label", words);
+  box.append(svg);
+  return { box, put: (tag, set, text) => { const e = document.createElementNS(ns, tag); for (const k in set) e.setAttribute(k, set[k]); if (text) e.textContent = text; svg.append(e); } };
 }
 
 // 2. The model: a line of the text is a block, a mistake stands below its line.
@@ -332,6 +335,46 @@ function numbers(result, gap) {
   return box;
 }
 
+// A record that grows.
+async function live() {
+  try {
+    const now = await ask("api/live");
+    if (!now) return;
+    $("live").hidden = false;
+    $("live-name").textContent = now.source + " into " + now.name;
+    $("live-line").textContent = now.lines + " lines" + (now.ended ? ", ended" : " in " + now.seconds.toFixed(0) + " s") + (now.trouble ? ": " + now.trouble : "");
+    $("live-line").classList.toggle("wrong", !!now.trouble);
+    $("live-stop").hidden = now.ended;
+    if (now.judged) {
+      $("live-words").textContent = now.judged.words;
+      $("live-forces").replaceChildren(...now.judged.forces.map(forceCurve));
+      $("live-curves").replaceChildren(...(now.judged.curves || []).map(curve));
+    }
+    if (now.ended && now.judged) {
+      await folder();
+      return now.spec ? undefined : openData(now.name);
+    }
+  } catch (why) { tell(why); }
+  setTimeout(live, 500);
+}
+$("live-stop").onclick = guarded(() => ask("api/live-stop", {}, ""));
+function forceCurve(force) {
+  const nodes = force.nodes.filter(n => n[2] !== null), W = 900, H = 180, left = 8;
+  const { box, put } = drawing(W, H, `missing force of ${force.speed}: ${force.words}`);
+  const most = Math.max(...force.nodes.map(n => Math.abs(n[0])), 1e-300), high = Math.max(...nodes.map(n => Math.abs(n[1])), 1e-300);
+  // Errors far above the force are cut.
+  const top = Math.min(2 * high, Math.max(...nodes.map(n => Math.abs(n[1]) + n[2]), high));
+  // Each halving of the speed is one step to the middle.
+  const X = v => W / 2 + Math.sign(v) * Math.max(0, 6 + Math.log2(Math.abs(v) / most)) / 6.5 * (W / 2 - left);
+  const Y = f => H / 2 - Math.max(-1, Math.min(1, f / top)) * (H / 2 - 24);
+  put("text", { x: left, y: 12 }, `missing force against ${force.speed}, up to ${short(high)} ${force.unit} at ${short(most)} ${force.speed_unit}; each step to the middle halves the speed`);
+  put("line", { x1: left, x2: W - left, y1: H / 2, y2: H / 2, stroke: "var(--soft)" });
+  for (const [v, f, half] of nodes) put("line", { x1: X(v), x2: X(v), y1: Y(f - half), y2: Y(f + half), stroke: "var(--soft)", "stroke-width": 5 });
+  for (const side of [-1, 1]) put("polyline", { points: nodes.filter(n => n[0] * side > 0).map(n => X(n[0]).toFixed(1) + "," + Y(n[1]).toFixed(1)).join(" "), fill: "none", stroke: "var(--blue)", "stroke-width": 2 });
+  put("text", { x: left, y: H - 4 }, short(-most)); put("text", { x: W - left, y: H - 4, "text-anchor": "end" }, short(most) + " " + force.speed_unit);
+  return box;
+}
+
 // A file is dropped anywhere.
 const over = on => event => { event.preventDefault(); $("drop").classList.toggle("over", on); };
 addEventListener("dragover", over(true));
@@ -365,5 +408,6 @@ async function watch() {
 guarded(async () => {
   const state = await folder();
   if (state.first) await (isSpec(state.first) ? openSpec(state.first) : openData(state.first));
+  await live();
   await watch();
 })();

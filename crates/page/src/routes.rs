@@ -2,6 +2,7 @@
 
 use crate::folder::{LARGEST_SPEC, Place, Unwritten, ending};
 use crate::jobs::What;
+use crate::live::Live;
 use crate::reply::Reply;
 use crate::request::Head;
 use crate::site::Site;
@@ -84,6 +85,11 @@ const ROUTES: &[(&str, &str, u64, Handler)] = &[
     }),
     ("POST", "api/stop", 0, |asked| {
         asked.site.jobs.stop();
+        Ok(Reply::json(&json!({ "stopped": true })))
+    }),
+    ("GET", "api/live", 0, |asked| Ok(Reply::json(&asked.site.live.as_ref().map_or(Value::Null, Live::now)))),
+    ("POST", "api/live-stop", 0, |asked| {
+        asked.site.live.iter().for_each(Live::stop);
         Ok(Reply::json(&json!({ "stopped": true })))
     }),
     ("GET", "api/export", 0, |asked| {

@@ -3,6 +3,7 @@
 use crate::folder::Working;
 use crate::guard::Guard;
 use crate::jobs::Jobs;
+use crate::live::Live;
 use phisindy::files::Request;
 use std::sync::Mutex;
 
@@ -17,4 +18,6 @@ pub(crate) struct Site {
     pub(crate) turn: Mutex<()>,
     /// The file that the page begins with.
     pub(crate) first: Option<String>,
+    /// A record that grows.
+    pub(crate) live: Option<Live>,
 }

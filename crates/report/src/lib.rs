@@ -12,10 +12,12 @@
 //! RunReport, GapReport --> Folder: the files of `--out`
 //! laws --> list, gallery, pictures                           (laws)
 //! spec, case --> the model as a picture and as lines         (sketch)
+//! records --> whether they tell the missing force well enough (coverage)
 //! ```
 
 mod chart;
 mod compare;
+mod coverage;
 mod equation;
 pub mod export;
 mod folder;
@@ -38,6 +40,7 @@ mod terminal;
 mod tied;
 
 pub use compare::{CompareReport, force_curves};
+pub use coverage::{Coverage, Node as CoverageNode, coverage};
 pub use equation::{Equation, equations};
 pub use folder::{Folder, PROVENANCE, RESULT, SPEC};
 pub use format::Format;

@@ -3,7 +3,7 @@
 
 mod local_cubic;
 
-use local_cubic::LocalCubic;
+pub(crate) use local_cubic::LocalCubic;
 use phisindy_learn::RecordFit;
 use phisindy_phys::{Record, System};
 

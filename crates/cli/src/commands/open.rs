@@ -23,6 +23,10 @@ pub(crate) fn open(args: &OpenArgs, options: &Options) -> Result<u8> {
     let request = Request { assignments: vec![], seed: None, ..options.request() };
     let page = Page::open(&folder, first.as_deref(), args.port, request)
         .with_context(|| format!("cannot work in `{shown}`"))?;
+    let page = match &args.live {
+        Some(source) => page.follow(source.clone())?,
+        None => page,
+    };
     interrupt::ask_for_work(page.work());
     print(&format!("{}\n", page.url()))?;
     if !options.quiet {

@@ -11,7 +11,7 @@ const GOAL: f64 = 0.05;
 const PART: f64 = 0.125;
 
 /// A column with a window.
-pub(super) struct LocalCubic<'a> {
+pub(crate) struct LocalCubic<'a> {
     time: &'a [f64],
     values: &'a [f64],
     side: usize,
@@ -22,7 +22,7 @@ impl<'a> LocalCubic<'a> {
     /// With a window that suits the noise. `noise` is the standard deviation of a sample times the inertia
     /// over the largest force; `twice` says that the second derivative is wanted, otherwise the first. `None`
     /// for too few samples.
-    pub(super) fn new(time: &'a [f64], values: &'a [f64], noise: f64, twice: bool) -> Option<LocalCubic<'a>> {
+    pub(crate) fn new(time: &'a [f64], values: &'a [f64], noise: f64, twice: bool) -> Option<LocalCubic<'a>> {
         let step = mean_step(time);
         let period = strongest_line(time, values).map_or(f64::INFINITY, |l| 1.0 / l.frequency);
         let most = ((0.5 * PART * period / step) as usize).clamp(SIDES.0, SIDES.1);
@@ -45,12 +45,12 @@ impl<'a> LocalCubic<'a> {
     }
 
     /// Half the length of the window (s).
-    pub(super) fn half_width(&self) -> f64 {
+    pub(crate) fn half_width(&self) -> f64 {
         self.side as f64 * self.step
     }
 
     /// Value, slope and curvature at a sample; `None` near the ends of the record.
-    pub(super) fn at(&self, i: usize) -> Option<[f64; 3]> {
+    pub(crate) fn at(&self, i: usize) -> Option<[f64; 3]> {
         let from = i.checked_sub(self.side)?;
         let window = from..(i + self.side < self.time.len()).then_some(i + self.side + 1)?;
         let scale = self.half_width();

@@ -1,0 +1,48 @@
+//! What a record says that is still growing: its motion, the missing force at each speed, whether that is enough.
+
+use crate::check::said;
+use crate::columns::look;
+use crate::folder::Working;
+use phisindy::files::{Purpose, Request, load_text, spec_text};
+use phisindy_import::Answers;
+use phisindy_phys::Sources;
+use phisindy_report::{Coverage, coverage};
+use serde_json::{Value, json};
+
+/// The judgement of a file of the folder, by the model of a spec of it or by a draft.
+pub(crate) fn of(folder: &Working, name: &str, spec: Option<&str>, request: &Request) -> Value {
+    let Ok(path) = folder.file(name) else { return Value::Null };
+    let seen = look(&path, name, &Value::Null, &Answers::default());
+    let told = |words: &str, forces: Vec<Value>| json!({ "words": words, "forces": forces, "curves": seen["preview"], "name": name });
+    let text = match spec {
+        Some(spec) => folder.file(spec).and_then(|path| spec_text(&path).map_err(|d| d.message)),
+        None => seen["spec"].as_str().map(str::to_owned).ok_or_else(|| message(&seen["diagnostics"])),
+    };
+    let text = match text {
+        Ok(text) => text,
+        Err(why) => return told(&why, vec![]),
+    };
+    let (mut sources, mut found) = (Sources::default(), Vec::new());
+    let by = folder.path().join(spec.unwrap_or("live.ron"));
+    let Ok(loaded) = load_text(&by, text, request, Purpose::Gap, &mut sources, &mut found) else {
+        return told(&message(&json!(said(&found, &sources, false))), vec![]);
+    };
+    let forces = coverage(&loaded.case.system, &loaded.records);
+    let words = match forces.iter().find(|force| !force.is_enough()).or(forces.first()) {
+        Some(force) => force.to_string(),
+        None => "Move it: no speed is measured well enough to tell a force.".into(),
+    };
+    told(&words, forces.iter().map(force).collect())
+}
+
+fn force(of: &Coverage) -> Value {
+    let node =
+        |n: &phisindy_report::CoverageNode| json!([n.speed, n.force, n.half.is_finite().then_some(n.half)]);
+    let nodes: Vec<Value> = of.nodes.iter().map(node).collect();
+    json!({ "speed": of.speed.0, "speed_unit": of.speed.1, "unit": of.unit, "nodes": nodes, "enough": of.is_enough(), "words": of.to_string() })
+}
+
+/// The first mistake, in words.
+fn message(diagnostics: &Value) -> String {
+    diagnostics[0]["message"].as_str().unwrap_or("nothing has come yet").to_owned()
+}
