@@ -18,21 +18,38 @@ use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
 Examples:
-  phisindy go run1.csv                                  all at once: a spec, what is missing, the report in the browser
-  phisindy new run1.csv --out run1.ron                  look at a data file, write a commented spec for it
-  phisindy check run1.ron                               is anything wrong with the spec or its data?
-  phisindy run run1.ron --out first                     the friction with error bars; first/report.html shows it
-  phisindy gap run1.ron --out found                     what else is missing? named, added, and how far it explains the data
-  phisindy run found/completed.ron --out last           the completed model, fitted once more
-  phisindy next found --out plan                        which run would decide what is left?
-  phisindy simulate last/identified.ron                 its motion beside what was measured, as CSV
-  phisindy export last --to python --out model.py       the same model as a program of its own
+  phisindy go run1.csv                        all at once, to the report
+  phisindy new run1.csv --out run1.ron        a spec for a data file
+  phisindy run run1.ron --out first           the friction with error bars
+  phisindy gap run1.ron --out found           what else is missing?
+  phisindy run specs/case7.ron                a case that needs no data
+  phisindy run case.ron --set learn.cutoff=.1 one field of the spec changed
+  phisindy laws stribeck                      a law of the catalogue";
 
-  phisindy run specs/case7.ron                          a case with synthetic data: nothing else is needed
-  phisindy run specs/*.ron --format json --quiet        one JSON object per spec
-  phisindy run case.ron --set learn.cutoff=0.1          with one field of the spec changed
-  phisindy sweep case.ron --seeds 100 --out sweep       100 noise seeds in parallel: how often right, how accurate
-  phisindy laws stribeck                                a law of the catalogue";
+/// The commands by what they are for.
+const GROUPS: &str = "\
+To begin
+  go           from a data file to the report at once
+  new          look at a data file, write a commented spec for it
+  open         do all of this on a local page; --live follows a rig
+To ask the data
+  check        say what is wrong with a spec and its data
+  run          find the terms of a dictionary: equation, intervals, verdict
+  gap          find the law that is missing, add it, show the gap shrink
+  compare      what changed on a machine, or which of many stands out
+  next         design the run that decides, or that narrows a number
+To use what was found
+  simulate     the motion as CSV
+  export       the model in Python, C, MATLAB, Modelica, FMU, JSON
+  sweep        many seeds: how often right, how accurate
+  verify       make a result again: the same bits?
+To write specs and laws
+  laws         list the laws, show one, begin one of your own
+  fmt          put their white space in order
+  lsp, schema  for your editor
+  completions, man  for your shell
+
+`phisindy COMMAND --help` says what a command takes.";
 
 const CODES: &str = "\
 The result goes to standard output, everything else to standard error.
@@ -55,7 +72,7 @@ pub(crate) struct Args {
 }
 
 /// The command line. The help of a command begins with what it takes, its examples come last; the help of the
-/// program begins with examples.
+/// program begins with examples, and has the commands in groups.
 pub(crate) fn command_line() -> clap::Command {
     let reordered = |command: clap::Command| {
         let parts =
@@ -63,9 +80,15 @@ pub(crate) fn command_line() -> clap::Command {
         let [examples, rest] = parts.map(Option::unwrap_or_default);
         let after =
             [rest, examples].into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join("\n\n");
-        command.before_help(None::<&str>).after_help(after)
+        command.before_help(None::<&str>).after_help(after).hide(true)
     };
-    description().mut_subcommands(reordered)
+    let whole = format!(
+        "{{before-help}}{{about}}\n\n{{usage-heading}} {{usage}}\n\n{GROUPS}\n\n{{all-args}}{{after-help}}"
+    );
+    description()
+        .mut_subcommands(reordered)
+        .override_usage("phisindy [OPTIONS] <COMMAND>")
+        .help_template(whole)
 }
 
 /// The command line as manual pages and completions show it: no command has options that mean nothing to it.
@@ -767,6 +790,19 @@ mod tests {
     #[test]
     fn the_command_line_is_consistent() {
         command_line().debug_assert();
+    }
+
+    #[test]
+    fn every_command_is_in_a_group_of_the_help() {
+        let named = |name: &str| {
+            GROUPS
+                .lines()
+                .any(|line| line.starts_with("  ") && line.split([' ', ',']).any(|word| word == name))
+        };
+        for command in description().get_subcommands().map(clap::Command::get_name) {
+            assert!(named(command), "{command}");
+        }
+        assert!([GROUPS, EXAMPLES].iter().all(|text| text.lines().all(|line| line.chars().count() <= 80)));
     }
 
     #[test]

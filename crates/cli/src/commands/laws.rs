@@ -3,7 +3,7 @@
 use crate::args::Options;
 use crate::draw;
 use crate::outdir::{OutDir, unless_there};
-use crate::terminal::{INPUT, print};
+use crate::terminal::{INPUT, look, print};
 use anyhow::{Result, anyhow};
 use phisindy::files::{catalogue, doubts};
 use phisindy_phys::Sources;
@@ -40,7 +40,7 @@ pub(crate) fn laws(name: Option<&str>, options: &Options) -> Result<u8> {
         folder.write("README.md", gallery(&all))?;
     }
     let Some(name) = name else {
-        show(&list(&all))?;
+        show(&list(&all, look()))?;
         return Ok(0);
     };
     let Some(law) = all.iter().find(|e| e.id == name) else {

@@ -2,11 +2,18 @@
 
 use crate::format::capital;
 use crate::table::{aligned, short};
+use crate::terminal::Look;
 use phisindy_expr::{Id, Parity};
 use phisindy_phys::{Law, LawEntry, LawRole};
 
-/// One line for each law.
-pub fn list(all: &[LawEntry]) -> String {
+/// One line for each law; at a terminal as many as its words need.
+pub fn list(all: &[LawEntry], look: Option<Look>) -> String {
+    if let Some(look) = look {
+        // The name says what the id says: at a terminal the words need its room.
+        let column = all.iter().map(|e| e.id.len()).max().unwrap_or(0) + 2;
+        let about = |e: &LawEntry| look.wrapped(&e.law.about, column).split_off(column);
+        return all.iter().map(|e| format!("{:column$}{}\n", e.id, about(e))).collect();
+    }
     let rows: Vec<Vec<String>> =
         all.iter().map(|e| vec![e.id.clone(), e.law.name.clone(), e.law.about.clone()]).collect();
     aligned(&rows).join("\n") + "\n"
