@@ -23,7 +23,7 @@ use crate::result::{
 use crate::search::{Round, SEARCHED, Search, Searched, placed, refitted};
 use crate::sensor_linearity::sensor_nonlinearity;
 use crate::spec_mistakes::spec_mistake;
-use phisindy_learn::{Effort, FoundParameter, at_bounds, sensitive_starts};
+use phisindy_learn::{Effort, FoundParameter, at_bounds, free_run_horizons, sensitive_starts};
 use phisindy_phys::spec::Role;
 use phisindy_signal::Interpolation;
 
@@ -180,6 +180,7 @@ impl<'s, 'a> Ending<'s, 'a> {
             whiteness: (base.score.whiteness, last.score.whiteness),
             parameters: last.cal.parameters.clone(),
             completed,
+            horizon: free_run_horizons(&last.model.system, &last.model.records, &last.cal.records),
             initial: Simulated::of(base),
             simulated: Simulated::of(last),
             warnings,

@@ -31,7 +31,7 @@ pub use tried::{NotTried, Tried, WhyNot};
 use crate::model::{Fitted, TrialModel};
 use crate::place::Effect;
 use crate::repeat::Repeat;
-use phisindy_learn::{FoundParameter, RecordFit};
+use phisindy_learn::{FoundParameter, Horizon, RecordFit};
 use phisindy_phys::System;
 use phisindy_phys::spec::Role;
 
@@ -241,6 +241,8 @@ pub struct Gap {
     pub initial: Simulated,
     /// Free runs of the final model along the records.
     pub simulated: Simulated,
+    /// How far the final model predicts, beside a linear model.
+    pub horizon: Vec<Horizon>,
     /// Warnings about the data, the fit and the effects.
     pub warnings: Vec<Warning>,
 }

@@ -52,5 +52,6 @@ pub use trajectory::calibrate::{
     single_run_cost,
 };
 pub use trajectory::free_run::{Predicted, Predictor, predicted};
+pub use trajectory::horizon::free_run_horizons;
 pub use trajectory::initial::{differentiated, sized, smoothed};
 pub use trajectory::kalman_smoother::reads_outputs;

@@ -23,7 +23,7 @@ pub(crate) mod fit;
 pub(crate) mod follower;
 pub(crate) mod free_run;
 mod growing_record;
-mod horizon;
+pub(crate) mod horizon;
 pub(crate) mod initial;
 pub(crate) mod input_sensors;
 pub(crate) mod jacobian;

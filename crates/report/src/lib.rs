@@ -23,6 +23,7 @@ pub mod export;
 mod folder;
 mod format;
 pub mod gap;
+mod horizon;
 pub mod html;
 mod input;
 pub mod laws;

@@ -4,7 +4,6 @@ mod adapted;
 mod contribution;
 mod finding;
 mod fixed;
-mod horizon;
 mod json;
 mod report;
 mod resistance;

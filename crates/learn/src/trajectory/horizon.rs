@@ -27,15 +27,32 @@ pub(crate) fn horizons(
     solution: &Solution,
     fits: &[RecordFit],
 ) -> Vec<Horizon> {
-    let system = fit.problem.system;
-    let linear = Autoregression::fitted(system, &fit.problem.records);
+    let missed = |r: usize, starts: &[usize]| {
+        predicted(fit, &records[r], (&filled[r..=r], &fits[r].start), (solution, r), starts)
+    };
+    of_all(fit.problem.system, &fit.problem.records, records, fits, &missed)
+}
+
+/// How far a model without a random force predicts, by its free runs along the records; the linear model beside it is
+/// fitted to the Fit records.
+pub fn free_run_horizons(system: &System, records: &[Record], fits: &[RecordFit]) -> Vec<Horizon> {
+    let fitted: Vec<&Record> = records.iter().filter(|r| r.role == Role::Fit).collect();
+    of_all(system, &fitted, records, fits, &|_, _| None)
+}
+
+/// The horizons by what predictions miss, or by the free runs where these say nothing.
+fn of_all(
+    system: &System,
+    fitted: &[&Record],
+    records: &[Record],
+    fits: &[RecordFit],
+    predicted: &(dyn Fn(usize, &[usize]) -> Option<Missed> + Sync),
+) -> Vec<Horizon> {
+    let linear = Autoregression::fitted(system, fitted);
     let of_record = |r: usize| -> Vec<Horizon> {
         let record = &records[r];
         let starts = starts(record.len());
-        let missed = match predicted(fit, record, (&filled[r..=r], &fits[r].start), (solution, r), &starts) {
-            Some(missed) => missed,
-            None => along_the_free_run(&fits[r], record, &starts),
-        };
+        let missed = predicted(r, &starts).unwrap_or_else(|| along_the_free_run(&fits[r], record, &starts));
         let baseline =
             linear.as_ref().map_or(vec![], |l| starts.iter().map(|&s| l.missed(record, s)).collect());
         let step = mean_step(&record.time);
@@ -56,7 +73,7 @@ pub(crate) fn horizons(
         }
         all
     };
-    (0..records.len()).into_par_iter().flat_map_iter(of_record).collect()
+    (0..records.len().min(fits.len())).into_par_iter().flat_map_iter(of_record).collect()
 }
 
 /// What each prediction misses: by start, column, sample after the start.

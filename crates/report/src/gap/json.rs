@@ -7,6 +7,7 @@ use super::discovered_force::nearest;
 use super::report::GapReport;
 use crate::format::capital;
 use crate::format::role_name;
+use crate::horizon::HorizonOut;
 use phisindy_gap::{ForcePoint, Gap, MissingForce, Region, Step, Tried};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -16,6 +17,8 @@ struct Outcome<'a> {
     doubts: &'a [String],
     #[serde(rename = "final")]
     last: FinalGap,
+    /// The error of predictions against how far they look ahead.
+    horizon: Vec<HorizonOut<'a>>,
     initial: InitialGap,
     left: Vec<RegionOut<'a>>,
     /// The missing force without a formula, SI.
@@ -217,6 +220,7 @@ fn outcome<'a>(report: &GapReport<'a>) -> Outcome<'a> {
     Outcome {
         doubts: input.doubts,
         last: FinalGap { fit: found.after.0, validate: found.after.1, within_errors: found.predictive },
+        horizon: found.horizon.iter().map(HorizonOut::new).collect(),
         initial: InitialGap { fit: found.before.0, validate: found.before.1 },
         left: found.left.iter().map(region).collect(),
         missing_force: found.force.as_ref().map(missing_force),

@@ -9,7 +9,8 @@ use super::{force, hero, map, mathml, missing_force, motion, next, reproduction,
 use crate::chart::{Sheet, digits};
 use crate::equation::equations_of;
 use crate::format::{capital, role_name as role};
-use crate::gap::{Balance, Finding, GapReport, balance, finding, remarks, rivals, symbol};
+use crate::gap::{Balance, Finding, GapReport, balance, finding, remarks, rivals, symbol, unseen};
+use crate::horizon;
 use crate::input::{Ending, Invocation};
 use crate::markup::{Element, element};
 use crate::seen::{Seen, notes};
@@ -47,6 +48,9 @@ pub(crate) fn page(report: &GapReport<'_>, invocation: &Invocation) -> Page {
     let maps = page.drawn(Sheet::Page, |sheet| map::charts(&seen, &found.noise, sheet));
     page.section("Where the gap sits", located(found).into_iter().chain(maps));
     page.figures("Measured against simulated", |sheet| motion::charts(&seen, sheet));
+    page.figures("How far it predicts", |sheet| {
+        horizon::chart(&found.horizon, &unseen(found), sheet).into_iter().collect()
+    });
     page.section("Records", [records(found), repeatability(found)].into_iter().flatten());
     page.figures("What is left", |sheet| residual::charts(&seen, sheet));
     page.section("Parameters", parameters(&found.parameters));

@@ -6,6 +6,7 @@ use super::{correlation, friction, hero, mathml, motion, next, reproduction, res
 use crate::chart::{Sheet, digits};
 use crate::equation::names_of_records;
 use crate::format::{capital, role_name as role};
+use crate::horizon;
 use crate::input::Invocation;
 use crate::markup::{Element, element};
 use crate::run::{RunReport, found_words};
@@ -31,6 +32,11 @@ pub(crate) fn page(report: &RunReport<'_>, invocation: &Invocation) -> Page {
     page.section("Coefficients", coefficients(report));
     page.section("Parameters", parameters(&found.parameters));
     page.figures("Measured against simulated", |sheet| motion::charts(&seen, sheet));
+    let unseen = found.records.iter().filter(|r| r.role == Role::Validate);
+    let unseen: Vec<&str> = unseen.map(|r| r.name.as_str()).collect();
+    page.figures("How far it predicts", |sheet| {
+        horizon::chart(&found.horizon, &unseen, sheet).into_iter().collect()
+    });
     page.section("Records", records(report));
     page.section("Numbers of their own", adapted(report));
     page.figures("What is left", |sheet| residual::charts(&seen, sheet));

@@ -6,7 +6,8 @@ use super::contribution::{Contribution, contribution};
 use super::fixed::FixedValue;
 use super::report::RunReport;
 use crate::format::role_name as role;
-use phisindy_learn::{Estimate, Horizon, Remainder};
+use crate::horizon::HorizonOut;
+use phisindy_learn::{Estimate, Remainder};
 use phisindy_phys::System;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
@@ -65,23 +66,6 @@ impl<'a> RemainderOut<'a> {
             of_motion: left.of_motion,
             strongest: left.strongest.into(),
         }
-    }
-}
-
-#[derive(Serialize)]
-struct HorizonOut<'a> {
-    record: &'a str,
-    column: &'a str,
-    seconds: f64,
-    nrmse: f64,
-    /// Of a linear model.
-    baseline: Option<f64>,
-}
-
-impl<'a> HorizonOut<'a> {
-    fn new(of: &'a Horizon) -> HorizonOut<'a> {
-        let Horizon { record, column, seconds, nrmse, baseline } = of;
-        HorizonOut { record, column, seconds: *seconds, nrmse: *nrmse, baseline: *baseline }
     }
 }
 

@@ -3,10 +3,10 @@
 use super::adapted;
 use super::contribution;
 use super::fixed;
-use super::horizon;
 use super::report::RunReport;
 use crate::equation::{Equation, names_of_records};
 use crate::format::role_name as role;
+use crate::horizon;
 use crate::table::{aligned, interval, short};
 use phisindy_learn::{Estimate, Verdict, Warning};
 use phisindy_phys::spec::Role;
