@@ -27,16 +27,17 @@ RIGS = [
         "title": "A frame that sticks and slips",
         "spec": "specs/frame_250g.ron",
         "gap": True,
-        "rig": "A frame of one storey stands on a base that moves at 1 Hz. A brass disc of 250 g rests on its mass and rubs on "
-        "steel: the mass stops twice in each cycle, and stands still for half of the time. Two lasers, 10 s at 250 Hz.",
+        "rig": "A frame of one storey stands on a base that moves at 1 Hz. Brass rubs on steel under a disc of 250 g, "
+        "so that the mass stops twice in each cycle and stands still for half of the time. Two lasers, 10 s at 250 Hz.",
         "source": "Marino and Cicirello, *A switching Gaussian process latent force model*, Data-Centric Engineering 4 (2023), "
         "github l-marino/switching-GPLFM, licence GPL-3.0.",
         "published": {"k": "1191 N/m", "c": "0.669 N s/m"},
         "short": "k 1191 N/m, c 0.669 N s/m",
         "also": {"words": "With one level of friction, the candidate of the spec", "set": []},
-        "beside": "The authors measured k = 1191 N/m and c = 0.669 N s/m without the contact, and m = 3.08 kg. Both intervals hold "
-        "their values. With one level of friction alone, the damper comes out higher than theirs: at one frequency a damper, a late laser and "
-        "friction move the mass alike.\n\nFriction that changes along the path is one reading of this record. A spring "
+        "beside": "The authors give m = 3.08 kg, k = 1191 N/m and c = 0.669 N s/m. Both intervals hold "
+        "their values. With one level of friction alone, the damper comes out higher than theirs: at one frequency a damper, "
+        "a late "
+        "laser and friction move the mass alike.\n\nFriction that changes along the path is one reading of this record. A spring "
         "that is softer on one side is another ([the newcomer's log](../tutorial-rig.md) ends with it). Two loads together "
         "([results](../results.md#real-rigs)) name Coulomb friction in proportion to the load, a delay between the lasers, and "
         "such a spring. What all readings share: 0.6 to 0.7 N of dry friction, and no elastic contact.",
@@ -45,13 +46,16 @@ RIGS = [
         "name": "frame-continuous",
         "title": "The same frame, without stops",
         "spec": "docs/rigs/frame-continuous.ron",
-        "rig": "The frame of the page before, with another contact, at 2.33 Hz: the mass turns, but it never stops. 10 s at 2 kHz, "
+        "rig": "The frame of the page before, with another contact, at 2.33 Hz: the mass turns, but it never stops. 10 s at 2 "
+        "kHz, "
         "in millimetres, each laser with a zero of its own.",
-        "source": "github xristosl0610/PhI-SINDy, by the authors of the paper whose method the program began with; no licence is stated.",
+        "source": "github xristosl0610/PhI-SINDy, by the authors of the paper whose method the program began with; no licence "
+        "is stated.",
         "published": {"k": "386.4 1/s²", "c": "0.066 1/s", "1 in v": "0.12 to 0.13 m/s²"},
         "short": "k/m 386.4, c/m 0.066, F/m 0.12 to 0.13",
         "also": {"words": "With c held at the value of the authors", "set": ['constants.c=(0.0658, "1/s")']},
-        "beside": "The authors give k/m = 386.4 and c/m = 0.066. With both of them held, the friction was found before as 0.12 to 0.13 m/s². "
+        "beside": "The authors give k/m = 386.4 and c/m = 0.066. With both of them held, the friction was found before as "
+        "0.12 to 0.13 m/s². "
         "With c free, damping takes a part of it: the two trade off, which the program warns of, and the interval of the "
         "friction ends below 0.12. With c held, friction agrees with theirs. Who knows c should write it down.",
     },
@@ -59,43 +63,55 @@ RIGS = [
         "name": "emps",
         "title": "A prismatic drive",
         "spec": "docs/rigs/emps.ron",
-        "rig": "EMPS, a carriage on a ball screw in closed loop: position and motor force, 25 s at 500 Hz, seven reversals. No spring holds it.",
+        "rig": "EMPS, a carriage on a ball screw in closed loop: position and motor force, 25 s at 500 Hz, seven reversals. "
+        "No spring holds it.",
         "source": "Janot, Gautier and Brunot, *Data set and reference models of EMPS* (2019), by way of github "
         "forgi86/sysid-neural-continuous; no licence is noted.",
         "published": {"M": "95.11 kg", "Fv": "203.5 N s/m", "sgn(v) in v": "20.39 N", "1 in v": "−3.16 N"},
         "short": "M 95.1 kg, Fv 203.5 N s/m, Fc 20.4 N, offset −3.16 N",
         "beside": "The authors fit the whole file by least squares: 95.11 kg, 203.5 N s/m, 20.39 N, −3.16 N. All four lie in the "
         "intervals, which come from half of the file. The verdict is no more than *named*: a force of a few newtons is left, "
-        "for the offset of this drive changes while it runs. Without a spring a small force adds up, so the free run of the second half drifts.",
+        "for the offset of this drive changes while it runs. Without a spring a small force adds up, so the free run of the "
+        "second half drifts.",
     },
     {
         "name": "pendulum",
         "title": "A pendulum that comes to rest",
         "spec": "docs/rigs/pendulum.ron",
-        "rig": "A pendulum swings freely on its bearing until it stops, for more than a minute. An encoder reads the angle at 150 Hz.",
+        "rig": "A pendulum swings freely on its bearing until it stops, for more than a minute. An encoder reads the angle at "
+        "150 Hz.",
         "source": "github nielsSkov/masterThesisMatlab; no licence is noted.",
         "also": {"words": "Without the viscous part", "set": ['unknown.w.candidates=["sgn(w)", "w*|w|"]']},
         "published": {"gl": "30.99 1/s²", "sgn(w) in w": "0.1825 1/s²", "w in w": "0.0209 1/s"},
         "short": "g/l 30.99, friction 0.1825, viscous 0.0209",
-        "beside": "The author finds g/l = 30.99, friction 0.1825 and viscous damping 0.0209, without air. The friction agrees within "
-        "the interval; g/l comes out a little lower than the author's. The viscous part cannot be told from zero here, beside the drag of the air that the program adds: viscous "
-        "damping and constant friction alone cannot meet the decay of both large and small swings.\n\nThe other run has fewer numbers and "
-        "is called identified, though its free run misses far more: that verdict speaks of the force that is left, which is small, and "
+        "beside": "The author finds g/l = 30.99, friction 0.1825 and viscous damping 0.0209, without air. The friction agrees "
+        "within "
+        "the interval; g/l comes out a little lower than the author's. The viscous part cannot be told from zero here, beside "
+        "the drag of the air that the program adds: viscous "
+        "damping and constant friction alone cannot meet the decay of both large and small swings.\n\nThe other run has fewer "
+        "numbers and "
+        "is called identified, though its free run misses far more: that verdict speaks of the force that is left, which is "
+        "small, and "
         "a small force adds up over a minute. The first model predicts better.",
     },
     {
         "name": "robot-joint",
         "title": "Joint 1 of a robot arm",
         "spec": "docs/rigs/robot-joint.ron",
-        "rig": "The first joint of a UR10e swings to and fro, the other five stand still: angle and motor current, 63 s at 100 Hz. "
+        "rig": "The first joint of a UR10e swings to and fro, the other five stand still: angle and motor current, 63 s at "
+        "100 Hz. "
         "The file has 31 columns and no heading.",
         "source": "github shamilmamedov/dynamic_calibration; no licence is noted.",
         "published": {},
         "short": "viscous over dry friction 1.69 s/rad",
-        "beside": "The authors give torques: 21.3 N m s/rad of viscous friction and 12.6 N m of dry friction. They estimate the gain "
-        "from ampere to torque from other records. The file holds currents, so this page gives rates per inertia, and only ratios "
-        "compare. Viscous over dry friction is 1.69 s/rad for the authors, and {Fv/Fc} s/rad here; the intervals of both numbers are wide "
-        "enough for either. A least-squares fit of torque over acceleration, speed and sign had 5.72 kg m², 22.1 N m s/rad and 13.6 N m: "
+        "beside": "The authors give torques: 21.3 N m s/rad of viscous friction and 12.6 N m of dry friction. They estimate "
+        "the gain "
+        "from ampere to torque from other records. The file holds currents, so this page gives rates per inertia, and only "
+        "ratios "
+        "compare. Viscous over dry friction is 1.69 s/rad for the authors, and {Fv/Fc} s/rad here; the intervals of both "
+        "numbers are wide "
+        "enough for either. A least-squares fit of torque over acceleration, speed and sign had 5.72 kg m², 22.1 N m s/rad "
+        "and 13.6 N m: "
         "3.86 1/s and 2.38 1/s² per inertia. Both lie in the intervals above.",
         "derived": {"Fv/Fc": ("c", "sgn(w) in w")},
     },
@@ -103,21 +119,25 @@ RIGS = [
         "name": "wrist-joint",
         "title": "The wrist of a manipulator",
         "spec": "docs/rigs/wrist-joint.ron",
-        "rig": "The last joint of a manipulator follows torque steps and sticks for seconds. Angle, speed and measured torque, a NumPy "
+        "rig": "The last joint of a manipulator follows torque steps and sticks for seconds. Angle, speed and measured "
+        "torque, a NumPy "
         "archive of 31 s, at times that are not uniform.",
         "source": "github YIZHIXIAOCANGSHU/Friction-Identification-MuJoCo-and-Pinocchio; no licence is noted.",
         "published": {"1 in v": "0.055 to 0.063 N m (least squares)", "|v| in v": "0.08 to 0.09 N m s/rad (least squares)"},
         "short": "Fc 0.055 to 0.063 N m, Fv 0.08 to 0.09 (least squares)",
-        "beside": "The repository publishes no numbers for this joint. A least-squares fit of torque over speed gives a dry friction "
-        "of 0.055 to 0.063 N m and a viscous part of 0.08 to 0.09 N m s/rad. The intervals hold both and are wide. No spring brings the joint "
-        "back, so a model that lets go a moment too early stays wrong from then on. The verdict is right: this model names a size of the "
+        "beside": "We know of no published numbers for this joint. A least-squares fit of torque over speed gives a dry friction "
+        "of 0.055 to 0.063 N m and a viscous part of 0.08 to 0.09 N m s/rad. The intervals hold both and are wide. No spring "
+        "brings the joint "
+        "back, so a model that lets go a moment too early stays wrong from then on. The verdict is right: this model names a "
+        "size of the "
         "friction, and predicts nothing.",
     },
     {
         "name": "motor-steps",
         "title": "A motor under steps of torque",
         "spec": "docs/rigs/motor-steps.ron",
-        "rig": "A servo motor turns under a torque that steps up once, from 0.05 N m forward and from 0.03 N m backward. Four MATLAB files "
+        "rig": "A servo motor turns under a torque that steps up once, from 0.05 N m forward and from 0.03 N m backward. Four "
+        "MATLAB files "
         "of 20 s: two are fitted, two are not.",
         "source": "github malik-robert/HSM150-data; no licence is noted.",
         "published": {
@@ -125,11 +145,14 @@ RIGS = [
         },
         "short": "J 1.54e-4, Fc 0.028 N m, b 1.7e-4 (own simulation)",
         "also": {"words": "With dry friction as the only candidate", "set": ['unknown.v.candidates=["sgn(v)"]']},
-        "beside": "The repository publishes no numbers. A simulation of our own gives J = 1.54e-4 kg m², a dry friction of "
-        "0.028 N m, and b = 1.7e-4 N m s/rad. The viscous part agrees.\n\nForward the motor takes more torque than backward at the "
+        "beside": "We know of no published numbers. A simulation of our own gives J = 1.54e-4 kg m², a dry friction of "
+        "0.028 N m, and b = 1.7e-4 N m s/rad. The viscous part agrees.\n\nForward the motor takes more torque than backward "
+        "at the "
         "same speed, so dry friction alone contradicts itself, and the program says so. The spec therefore offers a "
-        "second candidate, `1`, a torque that the sensor does not show. With it the dry friction is half of what our simulation had, "
-        "and its other half is that torque. J comes out higher than in our simulation. More than half of the acceleration in the first "
+        "second candidate, `1`, a torque that the sensor does not show. With it the dry friction is half of what our "
+        "simulation had, "
+        "and its other half is that torque. J comes out higher than in our simulation. More than half of the acceleration in "
+        "the first "
         "second is still not explained.",
     },
     {
@@ -137,13 +160,16 @@ RIGS = [
         "title": "A magneto-rheological damper",
         "spec": "docs/rigs/mr-damper.ron",
         "gap": True,
-        "rig": "A damper with a fluid that stiffens in a magnetic field, moved by a machine: displacement is prescribed, force is "
+        "rig": "A damper with a fluid that stiffens in a magnetic field, moved by a machine: displacement is prescribed, "
+        "force is "
         "measured, 30 s at 100 Hz. The MATLAB file holds mm and N and does not say so.",
         "source": "github labcontrol-data/mr-damper, UTFPR; no licence is noted.",
         "published": {"Fc": "57.4 N (Dahl)", "kt": "1.58e6 N/m (Dahl)", "c": "768 N s/m (Dahl)"},
         "short": "Dahl: 57.4 N, 1.58e6 N/m, 768 N s/m, NRMSE 0.137",
-        "beside": "A Dahl element with a damper, fitted independently to this file, has 57.4 N, 1.58e6 N/m and 768 N s/m and misses the "
-        "force by 0.137 of its standard deviation. The program finds the same kind of element and adds a weak spring, which lowers the "
+        "beside": "A Dahl element with a damper, fitted independently to this file, has 57.4 N, 1.58e6 N/m and 768 N s/m and "
+        "misses the "
+        "force by 0.137 of its standard deviation. The program finds the same kind of element and adds a weak spring, which "
+        "lowers the "
         "miss. The friction of its element is higher than 57.4 N, beyond the interval: the models differ by the spring.",
     },
     {
@@ -151,29 +177,38 @@ RIGS = [
         "title": "The Silverbox",
         "spec": "specs/silverbox.ron",
         "gap": True,
-        "rig": "An electronic circuit that behaves as a mass on a hardening spring, with no friction at all, under a multisine, sampled at "
+        "rig": "An electronic circuit that behaves as a mass on a hardening spring, with no friction at all, under a "
+        "multisine, sampled at "
         "610 Hz. It is here as a trap: who looks for friction must find none.",
-        "source": "Wigren and Schoukens, *Three free data sets for development and benchmarking in nonlinear system identification* "
+        "source": "Wigren and Schoukens, *Three free data sets for development and benchmarking in nonlinear system "
+        "identification* "
         "(2013); no licence is noted.",
         "published": {"k": "1.763e5 1/s² (differences)", "c": "39.7 1/s (differences)", "g": "1.604e5 1/s² (differences)", "k3": "5.58e5 (differences)"},
         "short": "a cubic spring, no friction",
-        "beside": "A regression on differences gives k = 1.763e5, c = 39.7, g = 1.604e5 and k3 = 5.58e5. With nine samples in a period such "
-        "differences are too small, by 4 % at the first and a third at the third harmonic, so they do not find what a free run needs: of a simulated record with k = 1.842e5, c = 41.9, g = 1.860e5 and k3 = 7.35e5 they make "
-        "1.758e5, 39.7, 1.603e5 and 6.15e5. No friction is found. `gap` says *named*, because the coarse input can be drawn in more "
+        "beside": "A regression on differences gives k = 1.763e5, c = 39.7, g = 1.604e5 and k3 = 5.58e5. With nine samples in "
+        "a period such "
+        "differences are too small, by 4 % at the first and a third at the third harmonic, so they do not find what a free "
+        "run needs: of a simulated record with k = 1.842e5, c = 41.9, g = 1.860e5 and k3 = 7.35e5 they make "
+        "1.758e5, 39.7, 1.603e5 and 6.15e5. No friction is found. `gap` says *named*, because the coarse input can be drawn "
+        "in more "
         "than one way and something of another form is left.",
     },
     {
         "name": "ball-and-beam",
         "title": "A ball on a beam",
         "spec": "docs/rigs/ball-and-beam.ron",
-        "rig": "A ball rolls on a beam that a motor tilts: angle in, position out, 100 s at 10 Hz, no column of time. Nothing holds the ball, "
+        "rig": "A ball rolls on a beam that a motor tilts: angle in, position out, 100 s at 10 Hz, no column of time. Nothing "
+        "holds the ball, "
         "so a small force adds up.",
         "source": "DaISy, by way of github Rafa7046/Non_Linear_Identification; no licence is noted.",
         "published": {"a": "0.42 to 0.45 (least squares)"},
         "short": "a 0.42 to 0.45 (least squares)",
-        "beside": "The data set has no published model. Least squares over two or more segments of the file gives a = 0.42 to 0.45, and one "
-        "segment of 50 s gives 0.08. The program agrees with the former, and takes neither of the two friction terms that the spec offers.\n\n"
-        "The force that is left is most of the small acceleration that there is. A few seconds ahead the model predicts better than the "
+        "beside": "We know of no published model of this ball. Least squares over two or more segments of the file gives a = "
+        "0.42 to 0.45, and one "
+        "segment of 50 s gives 0.08. The program agrees with the former, and takes neither of the two friction terms that the "
+        "spec offers.\n\n"
+        "The force that is left is most of the small acceleration that there is. A few seconds ahead the model predicts "
+        "better than the "
         "linear one. Far ahead it is lost, for nothing holds the ball; an integrating plant is not for long predictions.",
     },
 ]
@@ -213,13 +248,14 @@ def wrapped(text, prefix="", width=124):
     out = []
     for paragraph in text.split("\n\n"):
         line, lines = prefix, []
-        for word in paragraph.split():
+        # A line that begins with such a word would be a list, a heading or a quotation.
+        for word in re.sub(r"\s+([-+=>#*]|\d+[.)])(?=\s)", "\N{NO-BREAK SPACE}\\1", " ".join(paragraph.split())).split(" "):
             if len(line) + 1 + len(word) > width and line.strip():
                 lines.append(line)
                 line = ("  " if prefix == "- " else prefix) + word
             else:
                 line = line + word if line == prefix else f"{line} {word}"
-        out.append("\n".join(lines + [line]))
+        out.append("\n".join(lines + [line]).replace("\N{NO-BREAK SPACE}", " "))
     return "\n\n".join(out)
 
 
@@ -268,7 +304,7 @@ class Runs:
         text = re.sub(r"<[^>]*>", "", found.group(1))
         for mark, sign in (("&lt;", "<"), ("&gt;", ">"), ("&quot;", '"'), ("&#39;", "'"), ("&amp;", "&")):
             text = text.replace(mark, sign)
-        return text
+        return text.replace("?.", "?")
 
     def sketch(self):
         """The sketch of the first report, with its style, as a file of its own; none where the report has none."""
@@ -404,8 +440,7 @@ def page(runs):
         out += [wrapped(prose(w), "- ") for w in said]
         out += [""]
     if runs.also:
-        verdict, reason = runs.also["verdict"], runs.also["reason"]
-        text = f"{rig['also']['words']}: **{verdict}**" + (f", {prose(reason)}" if reason else "") + ". " + prose(runs.finding("other"))
+        text = f"{rig['also']['words']}: **{runs.also['verdict']}**. " + prose(runs.finding("other"))
         out += ["### Another run", "", wrapped(text), ""]
     beside = rig["beside"]
     values = {name.rstrip("'"): value for name, _, value, _, _ in rows}
