@@ -1,29 +1,32 @@
 //! How far the model predicts: in a sentence, as data, as a curve.
 
 use crate::chart::{Axis, Chart, Mark, Panel, Place, Scale, Sheet, Swatch, legend};
+use crate::format::capital;
 use crate::table::short;
 use phisindy_learn::Horizon;
 use serde::Serialize;
 
-/// `predicts x of run 1 to 0.2 % of its motion 0.02 s ahead, to 1.2 % 10 s ahead; a linear model to 0.3 % and 28 %`:
-/// the column that is predicted worst so far ahead, among the records that the model has not seen if there are any.
+/// `the model misses x of run 1 by 0.3 % of its motion; a linear model by 0.6 % 0.02 s ahead, by 28 % 10 s ahead`: the
+/// column that is predicted worst so far ahead, among the records that the model has not seen if there are any.
 pub(crate) fn words(all: &[Horizon], unseen: &[&str]) -> Option<String> {
     let curve = worst(all, unseen);
     let (first, worst) = (curve.first()?, curve.last()?);
     let percent = |part: f64| format!("{} %", short(two_digits(100.0 * part)));
+    let (near, far) = (short(first.seconds), short(worst.seconds));
+    let (column, record) = (&worst.column, &worst.record);
     let linear = match (first.baseline, worst.baseline) {
-        (Some(near), Some(far)) => format!("; a linear model to {} and {}", percent(near), percent(far)),
+        (Some(a), Some(b)) => {
+            format!("; a linear model by {} {near} s ahead, by {} {far} s ahead", percent(a), percent(b))
+        }
         _ => String::new(),
     };
-    Some(format!(
-        "predicts {} of {} to {} of its motion {} s ahead, to {} {} s ahead{linear}",
-        worst.column,
-        worst.record,
-        percent(first.nrmse),
-        short(first.seconds),
-        percent(worst.nrmse),
-        short(worst.seconds),
-    ))
+    // Of a model without a force that is left the state is known from its own run: near and far are the same.
+    let own = if first.nrmse > 0.5 * worst.nrmse {
+        format!("by {}", percent(worst.nrmse))
+    } else {
+        format!("by {} {near} s ahead, by {} {far} s ahead", percent(first.nrmse), percent(worst.nrmse))
+    };
+    Some(format!("the model misses {column} of {record} {own} of its motion{linear}"))
 }
 
 /// An error is not known better.
@@ -66,7 +69,7 @@ pub(crate) fn chart(all: &[Horizon], unseen: &[&str], sheet: Sheet) -> Option<(C
         Mark::Dots { class: "model", points: model.clone(), radius: 2.5 },
         Mark::Line { class: "model", points: model },
     ];
-    let said = format!("It {said}.");
+    let said = format!("{}.", capital(&said));
     let panel = Panel { heading: String::new(), x, y, marks, labelled: true };
     let high = 170.0;
     let mut chart = Chart::new("horizon", "How far it predicts", &said, (sheet.width(), top + high + 50.0));
