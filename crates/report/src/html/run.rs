@@ -88,7 +88,8 @@ fn banner(report: &RunReport<'_>) -> Banner {
         digits(report.ending.seconds, 2),
     );
     let headline = capital(found.verdict.word());
-    let reason = found.verdict.reason().map(|why| format!("{}.", capital(&why)));
+    let ended = |why: String| format!("{}{}", capital(&why), if why.ends_with('?') { "" } else { "." });
+    let reason = found.verdict.reason().map(ended);
     if !found.verdict.holds() {
         return Banner { tone: Tone::Bad, headline, text: reason.unwrap_or_default(), how };
     }
