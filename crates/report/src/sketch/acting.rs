@@ -7,6 +7,7 @@ use phisindy_expr::{Id, Node, Unary};
 use phisindy_phys::System;
 
 /// Where a force belongs in a sketch.
+#[derive(PartialEq)]
 pub(super) enum Acting {
     Between(Kind, (End, End)),
     /// It comes from outside.

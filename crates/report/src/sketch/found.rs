@@ -41,13 +41,17 @@ pub(super) fn add_sought(reading: &mut Reading, case: &Case) {
 /// Lights the terms that were found.
 pub(super) fn add_found(reading: &mut Reading, report: &RunReport<'_>) {
     let terms = &report.identified.terms;
-    for found in terms {
+    // Terms that are one part, such as the logarithms of a friction, have no number alone.
+    let part = |reading: &mut Reading, term: usize| {
+        let own = reading.system.terms.get(term)?;
+        let (state, value) = (own.state, own.value);
+        let body = reading.bodies.iter().position(|b| b.speed == state);
+        Some((state, body.map(|body| reading.view().0.acting(body, value))))
+    };
+    let parts: Vec<_> = terms.iter().map(|found| part(reading, found.term)).collect();
+    for (k, found) in terms.iter().enumerate() {
         let term = &report.input.case.system.terms[found.term];
-        let same = |f: &&phisindy_learn::FoundTerm| {
-            let other = &report.input.case.system.terms[f.term];
-            other.state == term.state && other.factor_text == term.factor_text
-        };
-        let several = terms.iter().filter(same).count();
+        let several = parts.iter().filter(|part| **part == parts[k]).count();
         let (low, high) = found.coefficient.ci95;
         let (value, half) = (found.coefficient.value, 0.5 * (high - low));
         let (value, unit) = match report.force(found) {
