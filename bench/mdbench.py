@@ -32,7 +32,6 @@ import tables
 STATES, SAMPLES, TRAIN, DURATION = "xyzw", 150, 120, 10.0
 NOISES = [None, 40, 30, 20, 10]
 THRESHOLDS = [0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1.0]
-MODELS, INCLUSION = 20, 0.4
 # Subdomains of the weak form, and how long one is in seconds.
 DOMAINS, DOMAIN = 100, 1.0
 WINDOW = 15
@@ -40,7 +39,7 @@ FUNCTIONS = {
     "sin": np.sin, "cos": np.cos, "tan": np.tan, "cot": lambda a: 1 / np.tan(a), "exp": np.exp, "ln": np.log, "log": np.log, "abs": np.abs,
     "tanh": np.tanh, "sqrt": np.sqrt, "sgn": np.sign,
 }
-TOOLS = ["phisindy", "SINDy", "ensemble", "weak", "PyOperon"]
+TOOLS = ["phisindy", "SINDy", "weak", "PyOperon"]
 
 
 def systems():
@@ -126,7 +125,7 @@ def by_phisindy(given, folder, times, seen):
 )
 """)
     run = [given.program, "run", f"{stem}.ron", "--format", "json", "--quiet", "--jobs", "1", "--limit", f"{given.limit}s"]
-    done = subprocess.run(run, capture_output=True, text=True, timeout=3 * given.limit + 60)
+    done = subprocess.run(run, capture_output=True, text=True, timeout=given.limit + 30)
     if not done.stdout.strip().startswith("{"):
         return {"failed": f"exit {done.returncode}: {done.stderr.strip()[-300:]}"}
     found = json.loads(done.stdout)
@@ -155,14 +154,11 @@ def by_pysindy(form, times, seen, noise):
     def fit(threshold, times, seen):
         np.random.seed(0)
         optimizer, features = pysindy.STLSQ(threshold=threshold, alpha=1e-5, max_iter=200), library()
-        if form == "ensemble":
-            optimizer = pysindy.EnsembleOptimizer(optimizer, bagging=True, n_models=MODELS)
         if form == "weak":
             features = pysindy.WeakPDELibrary(function_library=features, spatiotemporal_grid=times, K=DOMAINS, H_xt=[DOMAIN / 2])
         model = pysindy.SINDy(optimizer, features, differ())
         model.fit(seen, t=times, feature_names=list(states))
-        inside = np.mean(np.array(optimizer.coef_list) != 0, 0) >= INCLUSION if form == "ensemble" else 1
-        return sums(terms, model.coefficients() * inside)
+        return sums(terms, model.coefficients())
 
     cut = len(times) - len(times) // 5
     due = differ()._differentiate(seen, times)[cut:]
@@ -288,8 +284,8 @@ def main():
     arguments.add_argument("--noise", help="in dB, as in clean,20 [clean,40,30,20,10]")
     arguments.add_argument("--tools", default=",".join(TOOLS), help=f"[{','.join(TOOLS)}]")
     arguments.add_argument("--seed", type=int, default=5101, help="of the noise")
-    arguments.add_argument("--limit", type=int, default=60, help="seconds for phisindy")
-    arguments.add_argument("--operon", type=int, default=3, help="seconds for PyOperon, each equation")
+    arguments.add_argument("--limit", type=int, default=30, help="seconds for phisindy")
+    arguments.add_argument("--operon", type=int, default=2, help="seconds for PyOperon, each equation")
     arguments.add_argument("--processes", type=int, default=2)
     arguments.add_argument("--write", help="a document with the marks of the tables")
     given = arguments.parse_args()
