@@ -6,7 +6,7 @@
 
 The benchmark publishes 44 physics problems (PO0 to PO43) as numbers, and their equations without constants. `llmsrbench.csv` holds the five whose numbers
 stand in a public repository of text (STRIDE): their constants follow from a linear fit, which leaves less than 2e-12 of the variance. The data are made
-from them anew: 40 s from (1, 0) in 5000 samples; the first 36 s are for the tools and the test in domain (500 of them), the last 4 s are out of it. With --data come
+from them anew: 40 s from (1, 0) in 5000 samples; the first 36 s are for the tools and the test in domain (500 samples that no tool gets), the last 4 s are out of it. With --data come
 the two oscillators of LLM-SR (see bench/formula.py). There all tools are left to find the drive too.
 
 Tools get positions and velocities, with noise a part of their standard deviation, and no accelerations. `phisindy gap` is told nothing but x' = v.
@@ -57,7 +57,7 @@ def problems(data):
             x, v = solve_ivp(slope, (0.0, 40.0), [1.0, 0.0], "LSODA", times, rtol=1e-10, atol=1e-12).y
             all_of_it = {"t": times, "x": x, "v": v, "a": rate(row["rate"], {"t": times, "x": x, "v": v})}
             part = lambda which: {k: c[which] for k, c in all_of_it.items()}
-            inside = np.random.default_rng(0).choice(4500, 500, replace=False)
+            inside = 1 + EVERY * np.random.default_rng(0).choice(4500 // EVERY, 500, replace=False)
             yield row["problem"], terms, part(slice(0, 4500, EVERY)), part(inside), part(slice(4500, None))
         elif data:
             train, *tests = (formula.table(data / f"oscillator{row['problem'][-1]}_{k}.csv") for k in ("train", "test_id", "test_ood"))
@@ -88,13 +88,13 @@ def spec(folder, name, seen, unknown):
 def asked(given, verb, path):
     run = [given.program, verb, str(path), "--format", "json", "-q", "--jobs", "1", "--limit", f"{given.limit}s"]
     done = subprocess.run(run, capture_output=True, text=True)
-    return json.loads(done.stdout) if done.stdout.startswith("{") else None
+    return json.loads(done.stdout) if done.stdout.startswith("{") else {"refused": done.stderr.strip().split(": ", 3)[-1]}
 
 
 def by_gap(given, name, seen):
     found = asked(given, "gap", spec(given.folder, name + "-gap", seen, ""))
-    if not found:
-        return "failed", None
+    if "refused" in found:
+        return f"refused: {found['refused']}", None
     forces = [step["force"] for step in found["steps"]]
     laws = ", ".join(step["law"] for step in found["steps"])
     text = "".join(f" - ({force})" for force in forces).strip() if forces and all(forces) else None
@@ -107,8 +107,8 @@ def by_run(given, name, seen):
     # States without units, for terms of all kinds stand beside each other.
     path.write_text(path.read_text().replace('"x": "m", "v": "m/s"', '"x": "", "v": ""').replace(', "F": (0.0, "N")', "").replace('"F/m"', '"0"').replace(' inertia: { "v": "m" },', ""))
     found = asked(given, "run", path)
-    if not found:
-        return "failed", None
+    if "refused" in found:
+        return f"refused: {found['refused']}", None
     return found["verdict"], next((e["text"] for e in found["equations"] if e["state"] == "v"), None)
 
 
@@ -116,14 +116,14 @@ def smooth(seen, noise):
     """Position, velocity and acceleration as PySINDy and PyOperon get them."""
     from scipy.signal import savgol_filter
 
-    window = formula_window(noise)
+    window = window_of(noise)
     step = (seen["t"][-1] - seen["t"][0]) / (len(seen["t"]) - 1)
     slope = lambda k: savgol_filter(seen["v"], window, 4, deriv=k, delta=step)
     inner = slice(window // 2, -(window // 2))
     return {"t": seen["t"][inner], "x": savgol_filter(seen["x"], window, 4)[inner], "v": slope(0)[inner]}, slope(1)[inner]
 
 
-def formula_window(noise):
+def window_of(noise):
     return 101 if noise else 11
 
 

@@ -294,7 +294,7 @@ def main():
     numbers = set(map(int, given.systems.split(","))) if given.systems else None
     chosen = [s for s in systems() if not numbers or s["number"] in numbers]
     noises = [None if n == "clean" else int(n) for n in given.noise.split(",")] if given.noise else NOISES
-    tools = [t for t in given.tools.split(",") if t == "phisindy" or installed(t)]
+    tools = [t for t in given.tools.split(",") if t in TOOLS and (t == "phisindy" or installed(t))]
     for system in chosen:
         system["terms"] = true_terms(system)
     journal = given.folder / "runs.jsonl"
