@@ -4,10 +4,10 @@
     pip install pysindy pyoperon scipy                       # a peer that is not installed is left out
     bench/llmsrbench.py PROGRAM FOLDER --write docs/results.md --data DATA/llmsr
 
-The benchmark publishes 44 physics problems (PO0 to PO43) as numbers, and their equations without constants. `llmsrbench.csv` holds the five whose numbers
-stand in a public repository of text (STRIDE): their constants follow from a linear fit, which leaves less than 2e-12 of the variance. The data are made
-from them anew: 40 s from (1, 0) in 5000 samples; the first 36 s are for the tools and the test in domain (500 samples that no tool gets), the last 4 s are out of it. With --data come
-the two oscillators of LLM-SR (see bench/formula.py). There all tools are left to find the drive too.
+The benchmark publishes 44 physics problems (PO0 to PO43) as numbers, and their equations without constants. `llmsrbench.csv` holds the five whose
+numbers stand in a public repository of text (STRIDE): their constants follow from a linear fit, which leaves less than 2e-12 of the variance. The data
+are made from them anew: 40 s from (1, 0) in 5000 samples. The first 36 s are for the tools and for the test in domain (500 samples that no tool gets),
+the last 4 s are out of it. With --data come the two oscillators of LLM-SR (see bench/formula.py). There all tools are left to find the drive too.
 
 Tools get positions and velocities, with noise a part of their standard deviation, and no accelerations. `phisindy gap` is told nothing but x' = v.
 `phisindy run` and PySINDy get one dictionary: monomials to the third degree, sines and cosines of x, v and t, absolute values. Errors are those of
@@ -105,7 +105,10 @@ def by_run(given, name, seen):
     candidates = ", ".join(f'"{term}"' for term in DICTIONARY)
     path = spec(given.folder, name + "-run", seen, f'\n    unknown: {{ "v": (candidates: [{candidates}]) }},')
     # States without units, for terms of all kinds stand beside each other.
-    path.write_text(path.read_text().replace('"x": "m", "v": "m/s"', '"x": "", "v": ""').replace(', "F": (0.0, "N")', "").replace('"F/m"', '"0"').replace(' inertia: { "v": "m" },', ""))
+    text = path.read_text()
+    for old, new in {'"x": "m", "v": "m/s"': '"x": "", "v": ""', ', "F": (0.0, "N")': "", '"F/m"': '"0"', ' inertia: { "v": "m" },': ""}.items():
+        text = text.replace(old, new)
+    path.write_text(text)
     found = asked(given, "run", path)
     if "refused" in found:
         return f"refused: {found['refused']}", None
