@@ -81,13 +81,11 @@ pub enum Warning {
         /// What it moves.
         moved: Vec<Bias>,
     },
-    /// Another term in the place of one describes the data nearly as well.
+    /// Other terms in the place of some describe the data nearly as well.
     Alternative {
-        /// The term of the model.
-        term: TermId,
-        /// The other one.
-        other: TermId,
-        /// By how much the criterion is worse with it.
+        /// Each a term of the model and the other one.
+        swaps: Vec<(TermId, TermId)>,
+        /// By how much the criterion is worse with them.
         worse: f64,
     },
     /// With one term more the data are described nearly as well.

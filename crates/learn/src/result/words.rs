@@ -97,13 +97,18 @@ impl Display for Warning {
                     moved.iter().map(of).collect::<Vec<_>>().join(", ")
                 )
             }
-            Warning::Alternative { term, other, worse } => write!(
-                f,
-                "{} in place of {term} describes the data just as well (its criterion is {worse:.1} higher; less than {:.0} is no evidence): the intervals hold only \
-                 if the terms are the right ones; a record at another amplitude or speed would tell",
-                other.candidate,
-                RIVAL
-            ),
+            Warning::Alternative { swaps, worse } => {
+                let swaps: Vec<String> =
+                    swaps.iter().map(|(term, other)| format!("{} in place of {term}", other.candidate)).collect();
+                let (them, one) = (swaps.join(" and "), swaps.len() == 1);
+                write!(
+                    f,
+                    "{them} {} the data just as well ({} criterion is {worse:.1} higher; less than {RIVAL:.0} is no evidence): the intervals hold only \
+                     if the terms are the right ones; a record at another amplitude or speed would tell",
+                    if one { "describes" } else { "describe" },
+                    if one { "its" } else { "their" },
+                )
+            }
             Warning::Further { term, worse } => write!(
                 f,
                 "with {term} added the data are described just as well (the criterion is {worse:.1} higher; less than {RIVAL:.0} is no evidence): it may be there, \

@@ -284,26 +284,39 @@ impl<'a> Context<'a> {
     /// Fits other terms from the solution of a fit, with its noise and segments: cost differences between
     /// such fits are what a selection needs.
     pub(crate) fn refit(&self, from: &Fit<'a>, terms: &[usize]) -> Option<Fit<'a>> {
+        self.refit_with(from, terms, &[])
+    }
+
+    /// As [`Context::refit`]; new terms begin with these coefficients, and with 0 where none is said.
+    pub(crate) fn refit_with(
+        &self,
+        from: &Fit<'a>,
+        terms: &[usize],
+        new: &[(usize, f64)],
+    ) -> Option<Fit<'a>> {
         // A gain of a hundredth in the logarithm of the likelihood is none.
-        self.refit_within(
-            from,
-            terms,
-            Limits::new(REFIT_ITERATIONS, LIKELIHOOD_GAIN / from.samples.max(1) as f64),
-        )
+        let least = LIKELIHOOD_GAIN / from.samples.max(1) as f64;
+        self.refit_within(from, (terms, new), Limits::new(REFIT_ITERATIONS, least))
     }
 
     /// As [`Context::refit`] with few iterations, and fewer still where the cost stays far above that of the
     /// fit.
-    pub(crate) fn trial_fit(&self, from: &Fit<'a>, terms: &[usize]) -> Option<Fit<'a>> {
+    pub(crate) fn trial_fit(&self, from: &Fit<'a>, terms: &[usize], new: &[(usize, f64)]) -> Option<Fit<'a>> {
         let limits = Limits { hopeless: HOPELESS * from.normal.cost, ..Limits::of(TRIAL_MINIMUM) };
-        self.refit_within(from, terms, limits)
+        self.refit_within(from, (terms, new), limits)
     }
 
-    fn refit_within(&self, from: &Fit<'a>, terms: &[usize], limits: Limits) -> Option<Fit<'a>> {
+    fn refit_within(
+        &self,
+        from: &Fit<'a>,
+        (terms, new): (&[usize], &[(usize, f64)]),
+        limits: Limits,
+    ) -> Option<Fit<'a>> {
         let problem = self.problem(terms, from)?;
+        let begun = |t: &usize| new.iter().find(|(n, _)| n == t).map_or(0.0, |(_, start)| *start);
         let coefficients: Vec<f64> = terms
             .iter()
-            .map(|t| from.problem.terms.iter().position(|u| u == t).map_or(0.0, |k| from.x[k]))
+            .map(|t| from.problem.terms.iter().position(|u| u == t).map_or_else(|| begun(t), |k| from.x[k]))
             .collect();
         let mut x = problem.guess(&coefficients, None, &self.smooth);
         transfer(&from.problem, &from.x, &problem, &mut x);

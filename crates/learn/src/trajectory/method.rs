@@ -109,10 +109,15 @@ fn from_regression<'a>(context: &Context<'a>, fit: Fit<'a>, regression: &Regress
     }
 }
 
-/// Another choice of terms that is nearly as good; `None` if the choices do not differ by one term.
+/// Another choice of terms that is nearly as good: what stands in the place of what.
 fn alternative(system: &System, terms: &[usize], other: &[usize], worse: f64) -> Option<Warning> {
-    let own = |a: &[usize], b: &[usize]| a.iter().find(|t| !b.contains(t)).map(|&t| TermId::new(system, t));
-    Some(Warning::Alternative { term: own(terms, other)?, other: own(other, terms)?, worse })
+    let only =
+        |a: &[usize], b: &[usize]| -> Vec<usize> { a.iter().copied().filter(|t| !b.contains(t)).collect() };
+    let (gone, new) = (only(terms, other), only(other, terms));
+    let id = |t: usize| TermId::new(system, t);
+    let of = |t: usize| new.iter().copied().find(|&n| system.terms[n].state == system.terms[t].state);
+    let swaps: Vec<_> = gone.iter().filter_map(|&t| Some((id(t), id(of(t)?)))).collect();
+    (!swaps.is_empty() && swaps.len() == new.len()).then_some(Warning::Alternative { swaps, worse })
 }
 
 /// The best fit from several starts, with its terms selected if `auto`.
@@ -156,12 +161,14 @@ fn start<'a>(
         }
         let Some(misfit) = context.misfit(&found.fit) else { continue };
         let white = found.fit.is_white();
+        // A start that leads to no term says nothing of the next one.
+        let empty = found.fit.problem.terms.is_empty();
         let gained = best.as_ref().is_none_or(|(least, _)| misfit < (1.0 - START_GAIN) * least);
         if best.as_ref().is_none_or(|(least, _)| misfit < *least) {
             best = Some((misfit, found));
         }
         // Without a measured state a start that is no better says little of the next one.
-        if white || !gained && !context.is_blind() {
+        if white || !gained && !empty && !context.is_blind() {
             break;
         }
     }

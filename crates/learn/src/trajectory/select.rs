@@ -110,42 +110,50 @@ fn elimination(fit: &Fit<'_>) -> Vec<(usize, f64)> {
     out
 }
 
-/// Changes by one term (or a pair that only helps together) that promise a better criterion, best first: the
-/// terms after each. Scores come from one evaluation of the full dictionary at the present solution.
+/// A change of the terms: what they are then, the cost that is promised, and where new ones begin.
+struct Change {
+    terms: Vec<usize>,
+    cost: f64,
+    /// A term that stands in the place of another begins at its promised coefficient: at 0 the motion is another one.
+    new: Vec<(usize, f64)>,
+}
+
+/// Changes by one term (or a pair that only helps together) that promise a better criterion, best first.
+/// Scores come from one evaluation of the full dictionary at the present solution.
 fn neighbours(
     context: &Context<'_>,
     now: &Fit<'_>,
     all: &[usize],
     criterion: &impl Fn(f64, usize) -> f64,
-) -> Vec<Vec<usize>> {
-    let k = now.problem.terms.len();
-    let here = criterion(now.normal.cost, k);
-    let mut changes: Vec<(f64, Vec<usize>)> = Vec::new();
+) -> Vec<Change> {
+    let mut changes: Vec<Change> = Vec::new();
     for (gone, rise) in elimination(now).into_iter().take(1) {
         let terms = now.problem.terms.iter().copied().filter(|&t| t != gone).collect();
-        changes.push((criterion(now.normal.cost + rise, k - 1), terms));
+        changes.push(Change { terms, cost: now.normal.cost + rise, new: vec![] });
     }
     for (added, fall) in scores(context, now, all) {
         let mut terms: Vec<usize> = now.problem.terms.iter().copied().chain(added.iter().copied()).collect();
         terms.sort_unstable();
-        changes.push((criterion(now.normal.cost - fall, terms.len()), terms));
+        changes.push(Change { terms, cost: now.normal.cost - fall, new: vec![] });
     }
-    changes.extend(swaps(context, now, all).into_iter().map(|(terms, cost)| (criterion(cost, k), terms)));
-    changes.retain(|(value, _)| *value < here);
-    changes.sort_by(|a, b| a.0.total_cmp(&b.0));
-    changes.into_iter().map(|(_, terms)| terms).collect()
+    changes.extend(swaps(context, now, all));
+    let value = |change: &Change| criterion(change.cost, change.terms.len());
+    let here = criterion(now.normal.cost, now.problem.terms.len());
+    changes.retain(|change| value(change) < here);
+    changes.sort_by(|a, b| value(a).total_cmp(&value(b)));
+    changes
 }
 
 /// The most promising change that was not tried yet, refitted.
 fn promising<'a>(
     context: &Context<'a>,
     now: &Fit<'a>,
-    changes: &[Vec<usize>],
+    changes: &[Change],
     tried: &[Vec<usize>],
 ) -> Option<Fit<'a>> {
-    changes.iter().filter(|terms| !tried.contains(terms)).take(TRIED_CHANGES).find_map(|terms| {
-        let look = context.trial_fit(now, terms)?;
-        context.refit(&look, terms)
+    changes.iter().filter(|change| !tried.contains(&change.terms)).take(TRIED_CHANGES).find_map(|change| {
+        let look = context.trial_fit(now, &change.terms, &change.new)?;
+        context.refit(&look, &change.terms)
     })
 }
 
@@ -191,7 +199,7 @@ fn pruned<'a>(
                 if hopeless.contains(&terms) {
                     return None;
                 }
-                let look = context.trial_fit(&now, &terms);
+                let look = context.trial_fit(&now, &terms, &[]);
                 let near = look.filter(|look| look.normal.cost <= HOPELESS * now.normal.cost);
                 far[k].store(near.is_none(), Ordering::Relaxed);
                 near.filter(|look| criterion(look.normal.cost, terms.len()) < here).map(|look| (k, look))
@@ -240,9 +248,8 @@ fn quadratic_model<'a>(
 }
 
 /// For each term of the model and each one of the same equation outside of it: the terms with the one in the
-/// place of the other, and the cost that the quadratic model promises. A better model may be two steps away,
-/// each of which is worse.
-fn swaps<'a>(context: &Context<'a>, now: &Fit<'a>, all: &[usize]) -> Vec<(Vec<usize>, f64)> {
+/// place of the other, as the quadratic model promises. A better model may be two steps away, each of which is worse.
+fn swaps<'a>(context: &Context<'a>, now: &Fit<'a>, all: &[usize]) -> Vec<Change> {
     let Some((terms, x, normal)) = quadratic_model(context, now, all) else { return vec![] };
     let (a, system) = (&normal.matrix, context.system);
     let inside = |i: &usize| now.problem.terms.contains(&terms[*i]);
@@ -273,7 +280,8 @@ fn swaps<'a>(context: &Context<'a>, now: &Fit<'a>, all: &[usize]) -> Vec<(Vec<us
             let mut with: Vec<usize> =
                 now.problem.terms.iter().copied().filter(|t| *t != terms[gone]).chain([terms[new]]).collect();
             with.sort_unstable();
-            out.push((with, without - pull * pull / own));
+            let new = vec![(terms[new], -pull / own)];
+            out.push(Change { terms: with, cost: without - pull * pull / own, new });
         }
     }
     out
@@ -283,18 +291,40 @@ fn swaps<'a>(context: &Context<'a>, now: &Fit<'a>, all: &[usize]) -> Vec<(Vec<us
 /// the nearest first.
 pub(crate) fn rivals<'a>(context: &Context<'a>, now: &Fit<'a>, all: &[usize]) -> Vec<(Vec<usize>, f64)> {
     let worse = |cost: f64| (cost - now.normal.cost) / now.inflation();
-    let mut near: Vec<(Vec<usize>, f64)> =
-        swaps(context, now, all).into_iter().map(|(terms, cost)| (terms, worse(cost))).collect();
+    let mut near = swaps(context, now, all);
+    let together = together(context, now, &near);
     // The quadratic model may promise too little: a refit decides.
-    near.retain(|(_, worse)| *worse < RIVAL_REACH * RIVAL);
-    near.sort_by(|a, b| a.1.total_cmp(&b.1));
-    let fitted = near.into_iter().take(RIVALS).filter_map(|(terms, _)| {
-        let fit = context.refit(now, &terms)?;
-        Some((terms, worse(fit.normal.cost).max(0.0)))
+    near.retain(|change| worse(change.cost) < RIVAL_REACH * RIVAL);
+    near.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    let fitted = near.into_iter().take(RIVALS).chain(together).filter_map(|change| {
+        let fit = context.refit_with(now, &change.terms, &change.new)?;
+        Some((change.terms, worse(fit.normal.cost).max(0.0)))
     });
     let mut out: Vec<(Vec<usize>, f64)> = fitted.filter(|(_, worse)| *worse < RIVAL).collect();
     out.sort_by(|a, b| a.1.total_cmp(&b.1));
     out
+}
+
+/// The best swap of each equation, all at once: `sin(y)` and `sin(x)` may stand for `y` and `x`, and one of them alone
+/// for none. `None` where less than two equations have one.
+fn together(context: &Context<'_>, now: &Fit<'_>, swaps: &[Change]) -> Option<Change> {
+    let of_state = |terms: &[usize], state: usize| -> Vec<usize> {
+        terms.iter().copied().filter(|&t| context.system.terms[t].state == state).collect()
+    };
+    let mut all = Change { terms: vec![], cost: f64::INFINITY, new: vec![] };
+    for state in 0..context.system.states.len() {
+        let here = of_state(&now.problem.terms, state);
+        let differ = swaps.iter().filter(|swap| of_state(&swap.terms, state) != here);
+        match differ.min_by(|a, b| a.cost.total_cmp(&b.cost)) {
+            Some(best) => {
+                all.terms.extend(of_state(&best.terms, state));
+                all.new.extend(&best.new);
+            }
+            None => all.terms.extend(here),
+        }
+    }
+    all.terms.sort_unstable();
+    (all.new.len() > 1).then_some(all)
 }
 
 /// For terms outside the model, alone and in pairs of one equation: the fall of the cost that the quadratic

@@ -79,7 +79,7 @@ fn warnings() {
             "1 in v' is 0.3000 from r2 alone and 0.2500 from the fitted records, 6 standard errors apart: the numbers do not carry over; the known part may be wrong, or a term is missing; the intervals are widened by the difference between the records",
         ),
         (
-            Warning::Alternative { term: term("1"), other: term("x"), worse: 1.26 },
+            Warning::Alternative { swaps: vec![(term("1"), term("x"))], worse: 1.26 },
             "x in place of 1 in v' describes the data just as well (its criterion is 1.3 higher; less than 6 is no evidence): the intervals hold only if the terms are the right ones; a record at another amplitude or speed would tell",
         ),
         (

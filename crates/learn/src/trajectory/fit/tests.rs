@@ -126,7 +126,7 @@ fn a_refit_of_other_terms_has_the_cost_of_their_regression() {
         assert_relative_eq!(refit.normal.cost, cost(terms), max_relative = 1e-5);
         assert_eq!(refit.problem.terms, terms);
         // Ten times the cost is given up, and still seen to be too much.
-        let trial_fit = context.trial_fit(&full, terms).unwrap();
+        let trial_fit = context.trial_fit(&full, terms, &[]).unwrap();
         assert!(trial_fit.normal.cost >= refit.normal.cost * (1.0 - 1e-9));
     }
     let mut poor = context.refit(&full, &[0]).unwrap();
