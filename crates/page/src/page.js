@@ -3,7 +3,7 @@ const $ = id => document.getElementById(id);
 // The address ends with the token, so that every request beside it has it.
 const base = location.pathname.replace(/[^/]*$/, "");
 const at = (path, query) => base + path + (query ? "?" + Object.entries(query).map(([k, v]) => k + "=" + encodeURIComponent(v)).join("&") : "");
-const page = { data: null, look: null, spec: null, saved: null, version: "", conflict: false, saving: Promise.resolve(), checked: 0, job: null, asked: false, mine: null, languages: [], ok: false, open: false, running: false, gone: false };
+const page = { data: null, look: null, spec: null, saved: null, version: "", conflict: false, saving: Promise.resolve(), checked: 0, job: null, asked: false, mine: null, languages: [], ok: false, open: false, back: [], editing: Promise.resolve(), part: null, sketch: null, constants: null, running: false, gone: false };
 const isSpec = name => /\.ron$/i.test(name);
 
 async function ask(path, query, body, headers) {
@@ -142,6 +142,7 @@ async function openSpec(name) {
   const told = await ask("api/spec", { name });
   // What was typed meanwhile comes first.
   if (dirty()) return openSpec(name);
+  if (page.spec !== name) Object.assign(page, { back: [], part: null, sketch: null, constants: null });
   Object.assign(page, { spec: name, version: told.version });
   $("spec-name").textContent = name;
   code.hidden = false;
@@ -182,12 +183,140 @@ async function checked() {
   const told = await ask("api/check", { name: page.spec }, text());
   if (turn !== page.checked) return;
   page.ok = told.ok; page.open = told.open;
+  showModel(told);
   mark(told.diagnostics);
   const errors = told.diagnostics.filter(d => d.error).length, warnings = told.diagnostics.length - errors;
   const count = (n, word) => n + " " + word + (n === 1 ? "" : "s");
   $("told").textContent = errors ? count(errors, "mistake") : "no mistakes" + (warnings ? ", " + count(warnings, "warning") : "");
   $("told").className = errors ? "wrong" : "soft";
   buttons();
+}
+// The sketch and the constants are the text in another form: what is changed there is one edit of it, made by the program.
+function edit(wish, said) {
+  return page.editing = page.editing.then(async () => {
+    const before = text(), name = page.spec;
+    $("refused").textContent = $("edited").textContent = "";
+    try {
+      const after = (await ask("api/edit", {}, JSON.stringify({ ...wish, text: before }))).text;
+      if (page.spec !== name || text() !== before) throw new Error("the text was changed meanwhile: try again");
+      if (after === before) return;
+      setText(after);
+      page.back.push([before, text()]);
+      $("edited").textContent = said;
+      await put();
+    } catch (why) { $("refused").textContent = why.message; showModel({}); }
+  });
+}
+async function put() {
+  clearTimeout(page.timer);
+  await save();
+  await checked();
+}
+const isBack = () => page.back.length > 0 && page.back.at(-1)[1] === text();
+$("back").onclick = guarded(async () => {
+  if (!isBack()) return;
+  setText(page.back.pop()[0]);
+  $("refused").textContent = "";
+  $("edited").textContent = "went one step back";
+  await put();
+});
+function showModel(told) {
+  $("model").hidden = false;
+  if (told.constants) page.constants = told.constants;
+  if (told.sketch || told.ok) { page.sketch = told.sketch; drawSketch(); }
+  if (told.diagnostics) $("sketch").classList.toggle("stale", !told.sketch);
+  $("sketch").hidden = $("sketch-hint").hidden = !page.sketch;
+  const all = page.constants || [];
+  $("constants-box").hidden = !all.length;
+  fill($("constants"), "form", all);
+  showPart();
+}
+function drawSketch() {
+  const had = document.activeElement && document.activeElement.dataset.part;
+  $("sketch").hidden = false;
+  $("sketch").innerHTML = page.sketch ? page.sketch.svg : "";
+  for (const g of $("sketch").querySelectorAll("[data-part]")) {
+    const part = page.sketch.parts.find(p => p.key === g.dataset.part);
+    if (!part) continue;
+    const box = g.getBBox(), hit = document.createElementNS("http://www.w3.org/2000/svg", "rect");
+    const set = { class: "hit", x: box.x - 5, y: box.y - 4, width: box.width + 10, height: box.height + 8, rx: 4 };
+    for (const k in set) hit.setAttribute(k, set[k]);
+    g.prepend(hit);
+    for (const [k, v] of [["role", "button"], ["tabindex", 0], ["aria-label", part.title], ["aria-controls", "part"]]) g.setAttribute(k, v);
+    const choose = () => { page.part = part.key; showPart(); $("part-title").focus(); };
+    g.onclick = choose;
+    g.onkeydown = event => { if (event.key === "Enter" || event.key === " ") { event.preventDefault(); choose(); } };
+    if (part.key === had) g.focus();
+  }
+}
+function closePart() {
+  const g = $("sketch").querySelector("[data-part=\"" + page.part + "\"]");
+  page.part = null;
+  showPart();
+  if (g) g.focus();
+}
+$("part-close").onclick = closePart;
+$("part").onkeydown = event => { if (event.key === "Escape") closePart(); };
+function showPart() {
+  const part = page.part && page.sketch && page.sketch.parts.find(p => p.key === page.part);
+  const inside = $("part").contains(document.activeElement);
+  for (const g of $("sketch").querySelectorAll("[role=button]")) g.setAttribute("aria-expanded", Boolean(part) && g.dataset.part === part.key);
+  $("part").hidden = !part;
+  if (!part) { page.part = null; if (inside) $("back").focus(); return; }
+  const all = (page.constants || []).filter(c => part.constants.includes(c.name));
+  $("part-title").textContent = part.title;
+  fill($("part-numbers"), "part", all);
+  const body = Boolean(part.new), key = JSON.stringify([part.key, part.can, part.new]);
+  if ($("part").dataset.shown === key) return;
+  $("part").dataset.shown = key;
+  const words = { base: "Move to the base", ground: "Move to the ground", remove: "Remove", contact: "Add a contact here (dry friction)" };
+  const act = what => made("button", words[what], { type: "button", onclick: () => edit({ what, part: part.key }, words[what] + ": done") });
+  const note = all.length || body ? [] : part.can.length ? [] : [made("span", "It is changed in the text.", { className: "soft" })];
+  $("part-actions").replaceChildren(...part.can.filter(what => words[what]).map(act), ...note);
+  const made_new = { mass: "Name the mass", damper: "Add a damper", spring: "Add a spring" };
+  $("part-new").replaceChildren(...part.can.filter(what => made_new[what]).map(what => {
+    const form = made("form", undefined, { className: "new" }), own = part.new[what];
+    const field = (name, value, label) => made("input", undefined, { name, value, ariaLabel: label + ", " + made_new[what], required: name !== "unit" });
+    const all = [field("name", own.name, "name"), field("value", "", "number"), field("unit", own.unit, "unit")];
+    all[1].placeholder = "number"; all[1].inputMode = "decimal";
+    form.append(...all.slice(0, 1), made("span", "="), ...all.slice(1), made("button", made_new[what]));
+    form.onsubmit = event => { event.preventDefault(); edit({ what, part: part.key, name: all[0].value, value: all[1].value, unit: all[2].value }, made_new[what] + ": done"); };
+    return form;
+  }));
+}
+// Rows that stay are not built again: somebody may be typing in one.
+function fill(list, place, all) {
+  const shape = JSON.stringify(all.map(c => [c.name, c.record, c.kind])), active = document.activeElement, had = active && active.dataset.at;
+  if (list.dataset.shape !== shape) {
+    list.dataset.shape = shape;
+    list.replaceChildren(...all.map(c => constantRow(c, place)));
+    const again = had && [...list.querySelectorAll("[data-at]")].find(e => e.dataset.at === had);
+    if (again) again.focus();
+  }
+  for (const [k, c] of all.entries()) for (const e of list.children[k].querySelectorAll("[data-field]")) {
+    const value = String(c[e.dataset.field] ?? "");
+    if (e.dataset.was !== value || e !== document.activeElement) e.value = e.dataset.was = value;
+  }
+}
+function constantRow(c, place) {
+  const li = made("li"), of = c.name + (c.record === null ? "" : " of record " + (c.record + 1));
+  const field = (field, label, e = made("input")) => {
+    Object.assign(e.dataset, { field, at: [place, c.record, c.name, field].join("/") });
+    e.ariaLabel = label + " of " + of;
+    e.onchange = () => edit({ what: "constant", name: c.name, record: c.record, field, to: e.value }, of + ": changed in the text");
+    return e;
+  };
+  li.append(made("b", of));
+  if (c.kind === "greatest") { li.append(made("span", "the greatest " + c.value + " of each record")); return li; }
+  const value = field("value", "value");
+  li.append(value);
+  if (c.kind === "formula") { value.className = "formula"; li.append(made("span", "follows from others")); return li; }
+  value.inputMode = "decimal";
+  const kind = made("select");
+  kind.append(...[["held", "is known"], ["within", "is known roughly"], ["find", "is to be found"]].map(([value, words]) => made("option", words, { value })));
+  li.append(field("unit", "unit"), field("kind", "how far", kind));
+  if (c.kind !== "held") li.append(made("span", "from"), field("low", "least value"), made("span", "to"), field("high", "greatest value"));
+  return li;
 }
 function mark(diagnostics) {
   const all = blocks(), lines = [], ranges = [], others = [];
@@ -234,6 +363,7 @@ $("write").onclick = guarded(async () => {
 
 // 3. The answer.
 function buttons() {
+  $("back").disabled = !isBack() || page.conflict;
   $("gap").disabled = !page.spec || !page.ok || page.running || page.conflict;
   $("run").disabled = $("gap").disabled || !page.open;
   $("next").disabled = $("gap").disabled;

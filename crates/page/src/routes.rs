@@ -5,7 +5,7 @@ use crate::jobs::What;
 use crate::reply::Reply;
 use crate::request::Head;
 use crate::site::Site;
-use crate::{check, columns, results};
+use crate::{check, columns, edit, results};
 use phisindy::files::spec_text;
 use phisindy_import::{Answers, Rig};
 use serde_json::{Value, json};
@@ -33,7 +33,9 @@ type Handler = fn(&mut Asked<'_>) -> Result<Reply, String>;
 /// Method, path, the longest body, and what answers; a new request is a new row.
 const ROUTES: &[(&str, &str, u64, Handler)] = &[
     ("GET", "", 0, |_| Ok(Reply::page("page.html", include_str!("page.html")))),
-    ("GET", "page.css", 0, |_| Ok(Reply::page("page.css", include_str!("page.css")))),
+    ("GET", "page.css", 0, |_| {
+        Ok(Reply::page("page.css", &(phisindy_report::drawn_style() + include_str!("page.css"))))
+    }),
     ("GET", "page.js", 0, |_| Ok(Reply::page("page.js", include_str!("page.js")))),
     ("GET", "api/state", 0, state),
     ("GET", "api/now", 0, |asked| {
@@ -74,6 +76,11 @@ const ROUTES: &[(&str, &str, u64, Handler)] = &[
         let text = asked.text()?;
         let _turn = asked.turn();
         Ok(Reply::json(&check::check(&path, &text, &asked.site.request)))
+    }),
+    ("POST", "api/edit", 2 * LARGEST_SPEC, |asked| {
+        let wish = serde_json::from_str(&asked.text()?).map_err(|why| why.to_string())?;
+        let _turn = asked.turn();
+        Ok(Reply::json(&json!({ "text": edit::edit(&wish)? })))
     }),
     ("POST", "api/start", 0, |asked| {
         let what = asked.word("what")?;

@@ -22,7 +22,19 @@ pub(super) struct View<'a> {
     pub(super) bases: &'a [(Option<usize>, Option<usize>)],
 }
 
+/// The constants that an expression is made of.
+pub(super) fn constants(system: &System, node: Id) -> Vec<String> {
+    let all = system.parameters.iter().map(|p| (p.node, &p.name));
+    let all = all.chain(system.record_constants.iter().map(|(name, node)| (*node, name)));
+    all.filter(|(own, _)| system.graph.uses(&[node], &[*own])).map(|(_, name)| name.clone()).collect()
+}
+
 impl View<'_> {
+    /// The constants that an expression is made of.
+    pub(super) fn constants(&self, node: Id) -> Vec<String> {
+        constants(self.system, node)
+    }
+
     pub(super) fn displacement(&self, body: usize) -> Option<Id> {
         self.bodies[body].displacement.map(|x| self.system.states[x].node)
     }

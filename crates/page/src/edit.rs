@@ -1,0 +1,473 @@
+//! The spec as a form and as a sketch that is edited: each action is one edit of its text, which keeps comments and layout.
+//!
+//! What belongs to a part is found in the text by its constants and by what it depends on, and taken only if the sketch
+//! of the new text has changed by that part and by nothing else.
+
+use crate::terms::{Ends, Terms, applied, factor};
+use phisindy_expr::Span;
+use phisindy_phys::spec::{ConstantSpec, DataSpec, Number, Spec, Text};
+use phisindy_phys::splice::{push_at, quoted, remove_at, set_at};
+use phisindy_phys::{Diagnostic, SourceId, spec};
+use phisindy_report::{Drawn, DrawnBody, DrawnEnd, DrawnPart, drawn};
+use serde_json::{Value, json};
+
+/// A spec without mistakes and its sketch.
+struct Model {
+    text: String,
+    spec: Spec,
+    drawn: Option<Drawn>,
+}
+
+impl Model {
+    fn read(text: &str) -> Result<Model, String> {
+        let first = |all: Vec<Diagnostic>| all.into_iter().find(Diagnostic::is_error).map_or(String::new(), |d| d.message);
+        let (spec, _) = spec::read(text, SourceId(0)).map_err(first)?;
+        let (case, _) = phisindy_phys::check(&spec, SourceId(0)).map_err(first)?;
+        let drawn = drawn(&spec, &case);
+        Ok(Model { text: text.to_owned(), spec, drawn })
+    }
+
+    fn drawn(&self) -> Result<&Drawn, String> {
+        self.drawn.as_ref().ok_or_else(|| "the model has no sketch".to_owned())
+    }
+
+    fn part(&self, key: &str) -> Result<&DrawnPart, String> {
+        self.drawn()?.parts.iter().find(|p| p.key == key).ok_or_else(gone)
+    }
+
+    fn body(&self, key: &str) -> Result<&DrawnBody, String> {
+        self.drawn()?.bodies.iter().find(|b| b.key == key).ok_or_else(gone)
+    }
+
+    /// Whether forces follow from energies.
+    fn has_energies(&self) -> bool {
+        self.spec.energy.is_some()
+    }
+
+    /// A name that nothing has.
+    fn free(&self, stem: &str) -> String {
+        let Spec { constants, states, inputs, outputs, definitions, .. } = &self.spec;
+        let taken = |name: &str| {
+            let of_records = self.spec.data.iter().flat_map(DataSpec::constants);
+            constants.iter().chain(of_records).any(|(n, _)| n.value == name)
+                || [states, inputs, definitions].into_iter().flatten().any(|(n, _)| n.value == name)
+                || outputs.iter().any(|(n, _)| n.value == name)
+        };
+        let names = std::iter::once(stem.to_owned()).chain((2..).map(|k| format!("{stem}{k}")));
+        names.into_iter().find(|name| !taken(name)).unwrap_or_default()
+    }
+}
+
+fn gone() -> String {
+    "this part is no longer in the model".to_owned()
+}
+
+/// The constants of a spec, and its sketch; each is null while the text has mistakes in the way.
+pub(crate) fn shown(text: &str) -> Value {
+    let read = spec::read(text, SourceId(0)).ok();
+    let model = Model::read(text).ok();
+    json!({
+        "constants": read.map(|(spec, _)| constants(&spec, text)),
+        "sketch": model.as_ref().and_then(|m| Some(sketch(m, m.drawn.as_ref()?))),
+    })
+}
+
+fn sketch(model: &Model, drawn: &Drawn) -> Value {
+    let part = |part: &DrawnPart| {
+        let mut can = vec![];
+        if is_of_contact(part) || is_element(part) && !model.has_energies() {
+            match part.ends {
+                [DrawnEnd::Ground, DrawnEnd::Body(_)] if !drawn.bases.is_empty() => can.push("base"),
+                [DrawnEnd::Base(_), _] => can.push("ground"),
+                _ => {}
+            }
+            can.push("remove");
+        }
+        json!({ "key": part.key, "title": part.title, "constants": part.constants, "can": can })
+    };
+    let body = |body: &DrawnBody| {
+        let mut can = vec!["contact"];
+        if !model.has_energies() {
+            can.push("damper");
+            can.extend(body.displacement.is_some().then_some("spring"));
+            can.extend(body.mass.is_none().then_some("mass"));
+        }
+        let [mass, damper, spring] = &body.units;
+        let mass = if mass.is_empty() { "kg" } else { mass };
+        let new = |stem: &str, unit: &str| json!({ "name": model.free(stem), "unit": plain(unit) });
+        json!({ "key": body.key, "title": body.title, "constants": body.constants, "can": can,
+                "new": { "mass": new("m", mass), "damper": new("d", damper), "spring": new("k", spring) } })
+    };
+    json!({
+        "svg": drawn.svg,
+        "parts": drawn.parts.iter().map(part).chain(drawn.bodies.iter().map(body)).collect::<Vec<_>>(),
+    })
+}
+
+/// A unit as the spec writes it.
+fn plain(unit: &str) -> String {
+    unit.replace('·', "*").replace('²', "^2").replace('³', "^3")
+}
+
+fn constants(spec: &Spec, text: &str) -> Value {
+    let written = |n: &Number| text.get(n.span.range()).unwrap_or_default().to_owned();
+    let one = |record: Option<usize>, (name, constant): &(Text, ConstantSpec)| {
+        let unit = constant.unit().map(|u| &u.value);
+        let row = |kind: &str, value: &Number, within: Option<&(Number, Number)>| {
+            let [low, high] = [within.map(|w| w.0.value), within.map(|w| w.1.value)];
+            json!({ "kind": kind, "value": written(value), "low": low, "high": high })
+        };
+        let mut told = match constant {
+            ConstantSpec::Number { value, .. } => row("held", value, None),
+            ConstantSpec::Movable(m) => row("within", &m.value, Some(&m.within)),
+            ConstantSpec::Find(f) => row("find", &f.start, Some(&f.within)),
+            ConstantSpec::Expression(e) => json!({ "kind": "formula", "value": e.value }),
+            ConstantSpec::MaxAbs(of) => json!({ "kind": "greatest", "value": of.value }),
+        };
+        (told["name"], told["unit"], told["record"]) = (json!(name.value), json!(unit), json!(record));
+        told
+    };
+    let own = spec.constants.iter().map(|c| one(None, c));
+    let of_records = spec.data.iter().enumerate().flat_map(|(k, d)| d.constants().iter().map(move |c| one(Some(k), c)));
+    own.chain(of_records).collect()
+}
+
+/// The text with one edit, `{ text, what, ... }`.
+///
+/// # Errors
+/// Why it is not made, in words.
+pub(crate) fn edit(asked: &Value) -> Result<String, String> {
+    let word = |key: &str| asked[key].as_str().unwrap_or_default();
+    let (text, what) = (word("text"), word("what"));
+    if what == "constant" {
+        let new = constant(text, asked)?;
+        // Of a text that has mistakes one may be mended at a time.
+        return match (Model::read(text), Model::read(&new)) {
+            (Ok(_), Err(why)) => Err(why),
+            _ => Ok(new),
+        };
+    }
+    let model = Model::read(text).map_err(|why| format!("the text has a mistake, which comes first: {why}"))?;
+    match what {
+        "remove" => changed(&model, model.part(word("part"))?, None),
+        "ground" => changed(&model, model.part(word("part"))?, Some(DrawnEnd::Ground)),
+        "base" => {
+            let part = model.part(word("part"))?;
+            let base = model.drawn()?.bases.iter().position(|b| b[order(part)].is_some()).unwrap_or_default();
+            changed(&model, part, Some(DrawnEnd::Base(base)))
+        }
+        "mass" | "damper" | "spring" => added(&model, model.body(word("part"))?, what, &word),
+        "contact" => with_contact(&model, model.body(word("part"))?),
+        _ => Err(format!("there is no edit `{what}`")),
+    }
+}
+
+/// What a user types as a number, as it stands in a spec.
+fn number(typed: &str) -> Result<String, String> {
+    let typed = typed.trim().replace(',', ".");
+    let value: f64 = typed.parse().ok().filter(|x: &f64| x.is_finite()).ok_or_else(|| format!("`{typed}` is no number"))?;
+    let first = typed.trim_start_matches('-').starts_with(|c: char| c.is_ascii_digit());
+    Ok(if first && !typed.ends_with('.') { typed } else { format!("{value:?}") })
+}
+
+/// A unit or a formula in its quotes.
+fn words(typed: &str) -> Result<&str, String> {
+    match typed.contains(['"', '\\', '\n']) {
+        true => Err(format!("`{typed}` cannot stand here")),
+        false => Ok(typed.trim()),
+    }
+}
+
+/// Changes a field of a constant.
+fn constant(text: &str, asked: &Value) -> Result<String, String> {
+    let word = |key: &str| asked[key].as_str().unwrap_or_default();
+    let (name, to) = (word("name"), word("to").trim());
+    let first = |all: Vec<Diagnostic>| all.into_iter().next().map_or(String::new(), |d| d.message);
+    let (spec, _) = spec::read(text, SourceId(0)).map_err(first)?;
+    let record = asked["record"].as_u64().and_then(|k| usize::try_from(k).ok());
+    let list = match record {
+        Some(k) => spec.data.get(k).map_or(&[][..], DataSpec::constants),
+        None => &spec.constants[..],
+    };
+    let (_, constant) =
+        list.iter().find(|(n, _)| n.value == name).ok_or_else(|| format!("there is no constant `{name}`"))?;
+    let k = record.unwrap_or_default().to_string();
+    let set = |field: Option<&str>, value: &str| {
+        let path: Vec<&str> = if record.is_some() { vec!["data", &k, "constants", name] } else { vec!["constants", name] };
+        let path: Vec<&str> = path.into_iter().chain(field).collect();
+        set_at(text, &path, value).map_err(|why| why.to_string())
+    };
+    let at = |span: Span, new: &str| Ok(applied(text, vec![(span, new.to_owned())]));
+    let (value, within, plain) = match constant {
+        ConstantSpec::Number { value, .. } => (value, None, true),
+        ConstantSpec::Movable(m) => (&m.value, Some(&m.within), m.sigma.is_none() && !m.each),
+        ConstantSpec::Find(f) => (&f.start, Some(&f.within), f.sigma.is_none() && !f.each),
+        ConstantSpec::Expression(e) if word("field") == "value" => return at(e.span, words(to)?),
+        _ => return Err(format!("`{name}` follows from others: change it in the text")),
+    };
+    let written = |n: &Number| text[n.span.range()].to_owned();
+    // Of a belief without bounds the bounds stand nowhere.
+    let within = within.filter(|(low, _)| low.span != value.span);
+    match word("field") {
+        "value" => match (to.split_once(char::is_whitespace), constant.unit()) {
+            (Some((x, unit)), Some(old)) => {
+                Ok(applied(text, vec![(value.span, number(x)?), (old.span, words(unit)?.to_owned())]))
+            }
+            _ => at(value.span, &number(to)?),
+        },
+        "unit" => match (constant.unit(), constant) {
+            (Some(old), _) => at(old.span, words(to)?),
+            (None, ConstantSpec::Number { .. }) => at(value.span, &format!("({}, {})", written(value), quoted(words(to)?))),
+            (None, _) => set(Some("unit"), &quoted(words(to)?)),
+        },
+        "low" | "high" => {
+            let (low, high) = within.ok_or_else(|| format!("`{name}` has no bounds in the text"))?;
+            at(if word("field") == "low" { low.span } else { high.span }, &number(to)?)
+        }
+        "kind" if !plain => Err(format!("`{name}` has a belief, or a value for each record: change it in the text")),
+        "kind" => {
+            let (low, high) = within.map_or_else(|| bounds(value.value), |(l, h)| (written(l), written(h)));
+            let unit = constant.unit().map(|u| format!(", unit: {}", quoted(&u.value))).unwrap_or_default();
+            let (x, held) = (written(value), constant.unit().map(|u| quoted(&u.value)));
+            match to {
+                "held" => set(None, &held.map_or_else(|| x.clone(), |u| format!("({x}, {u})"))),
+                "within" => set(None, &format!("(value: {x}{unit}, within: ({low}, {high}))")),
+                "find" => set(None, &format!("Find(start: {x}{unit}, within: ({low}, {high}))")),
+                _ => Err(format!("a constant cannot be `{to}`")),
+            }
+        }
+        field => Err(format!("a constant has no `{field}`")),
+    }
+}
+
+/// Bounds about a first guess: a decade to both sides.
+fn bounds(x: f64) -> (String, String) {
+    let (a, b) = match x {
+        x if x > 0.0 => (x / 10.0, x * 10.0),
+        x if x < 0.0 => (x * 10.0, x / 10.0),
+        _ => (-1.0, 1.0),
+    };
+    let short = |x: f64| format!("{:?}", format!("{x:.3e}").parse::<f64>().unwrap_or(x));
+    (short(a), short(b))
+}
+
+const FRICTION: &str = "friction";
+
+fn is_of_contact(part: &DrawnPart) -> bool {
+    part.kind == FRICTION
+}
+
+/// Whether a part acts along displacements (0) or speeds (1).
+fn order(part: &DrawnPart) -> usize {
+    usize::from(!part.kind.ends_with("spring"))
+}
+
+/// A spring or a damper that the spec states.
+fn is_element(part: &DrawnPart) -> bool {
+    !part.sought && (part.kind.ends_with("spring") || part.kind.ends_with("damper"))
+}
+
+fn ends_of(drawn: &Drawn, ends: [DrawnEnd; 2]) -> Ends {
+    let mut all = Ends::default();
+    for end in ends {
+        match end {
+            DrawnEnd::Ground => {}
+            DrawnEnd::Base(k) => all.base = drawn.bases.get(k).cloned(),
+            DrawnEnd::Body(k) => {
+                let body = drawn.bodies.get(k);
+                all.bodies.extend(body.map(|b| [b.displacement.clone(), Some(b.speed.clone())]));
+            }
+        }
+    }
+    all
+}
+
+/// The text without a part (`None`), or with it at another support.
+fn changed(model: &Model, part: &DrawnPart, to: Option<DrawnEnd>) -> Result<String, String> {
+    let drawn = model.drawn()?;
+    let ends = ends_of(drawn, part.ends);
+    let base = match to {
+        Some(DrawnEnd::Base(k)) => Some(drawn.bases.get(k).ok_or("no support moves in this model")?.clone()),
+        _ => None,
+    };
+    let mut why = "this part is written together with others: change it in the text".to_owned();
+    // Terms that are exactly between the ends come first, then all with the constants of the part.
+    for strict in [true, false] {
+        let Some(new) = attempt(model, part, &ends, (to, base.as_ref()), strict)? else { continue };
+        match Model::read(&new).and_then(|new| is_only(drawn, new.drawn()?, part, to)) {
+            Ok(()) => return Ok(new),
+            Err(reason) if !reason.is_empty() => why = reason,
+            Err(_) => {}
+        }
+    }
+    Err(why)
+}
+
+/// The text after one try; none if nothing of the part was found.
+fn attempt(
+    model: &Model,
+    part: &DrawnPart,
+    ends: &Ends,
+    (to, base): (Option<DrawnEnd>, Option<&[Option<String>; 2]>),
+    strict: bool,
+) -> Result<Option<String>, String> {
+    let (spec, contact) = (&model.spec, is_of_contact(part));
+    let order = order(part);
+    if base.is_some_and(|base| base[order].is_none()) {
+        let what = ["displacement", "speed"][order];
+        return Err(format!("the {what} of the base is no input of the model: add it to `inputs` first"));
+    }
+    let is_moving = |name: &str| {
+        [&spec.states, &spec.inputs].into_iter().flatten().any(|(n, _)| n.value == name)
+    };
+    let speeds: Vec<&String> = ends.of(1).collect();
+    let along = |names: &[&str]| {
+        let moving: Vec<&&str> = names.iter().filter(|n| is_moving(n)).collect();
+        !moving.is_empty()
+            && moving.iter().all(|n| speeds.iter().any(|s| s == *n))
+            && speeds.iter().all(|s| moving.iter().any(|n| s == *n))
+    };
+    let of_bodies = |(name, _): &&(Text, Text)| ends.bodies.iter().any(|b| b[1].as_ref() == Some(&name.value));
+    let mut edits = vec![];
+    for (_, rate) in spec.known.iter().filter(of_bodies) {
+        let Some(terms) = Terms::read(&rate.value) else { continue };
+        let found = if contact {
+            terms.with_sign(&along)
+        } else {
+            terms.with_names(&|name| match part.constants.is_empty() {
+                true => ends.of(order).any(|n| n == name),
+                false => part.constants.iter().any(|c| c == name),
+            }, part.constants.is_empty())
+        };
+        let right = |&term: &usize| {
+            let names = terms.names(terms.motion(term, &is_moving));
+            let has = |name: &String| names.contains(&name.as_str());
+            let other = |name: &&str| is_moving(name) && !ends.each().flatten().any(|n| n == name);
+            contact
+                || ends.of(order).any(has)
+                    && (!strict || !names.iter().any(other) && ends.each().all(|end| end.into_iter().any(has)))
+        };
+        let found: Vec<usize> = found.into_iter().filter(right).collect();
+        if found.is_empty() {
+            continue;
+        }
+        let new = match to {
+            None => terms.without(&found),
+            Some(_) => terms.moved(&found, &is_moving, ends, base),
+        };
+        edits.push((rate.span, new.unwrap_or_else(|| "0".to_owned())));
+    }
+    let mut removed: Vec<Vec<String>> = vec![];
+    if contact {
+        for (k, own) in spec.contacts.iter().enumerate() {
+            let Some(terms) = Terms::read(&own.value) else { continue };
+            if along(&terms.names(terms.root())) {
+                match to {
+                    None => removed.insert(0, vec!["contacts".to_owned(), k.to_string()]),
+                    Some(_) => edits.extend(terms.shifted(ends, base).map(|new| (own.span, new))),
+                }
+            }
+        }
+        for (state, unknown) in spec.unknown.iter().filter(|(s, _)| speeds.iter().any(|n| **n == s.value)) {
+            let rubs = |text: &Text| Terms::read(&text.value).is_some_and(|t| !t.with_sign(&along).is_empty());
+            let factor = unknown.factor.iter().any(rubs);
+            let texts = unknown.candidates.iter().enumerate().filter(|(_, c)| factor || rubs(c));
+            if !unknown.laws.is_empty() {
+                return Err("`unknown` names laws here, whose contact comes with them: change it in the text".to_owned());
+            }
+            let (candidates, all): (Vec<_>, usize) = (texts.collect(), unknown.candidates.len());
+            let path = ["unknown".to_owned(), state.value.clone()];
+            match to {
+                None if factor || !candidates.is_empty() && candidates.len() == all => removed.push(path.to_vec()),
+                None => removed.extend(candidates.iter().rev().map(|(k, _)| {
+                    path.iter().cloned().chain(["candidates".to_owned(), k.to_string()]).collect()
+                })),
+                Some(_) => {
+                    let texts = candidates.into_iter().map(|(_, c)| c).chain(unknown.factor.iter().filter(|f| rubs(f)));
+                    edits.extend(texts.filter_map(|t| Some((t.span, Terms::read(&t.value)?.shifted(ends, base)?))));
+                }
+            }
+        }
+    }
+    if edits.is_empty() && removed.is_empty() {
+        return Ok(None);
+    }
+    let mut text = applied(&model.text, edits);
+    for path in removed {
+        let path: Vec<&str> = path.iter().map(String::as_str).collect();
+        text = remove_at(&text, &path).map_err(|why| why.to_string())?;
+    }
+    Ok(Some(text))
+}
+
+/// Whether a sketch differs from another one by this part alone, which is gone, or at another support.
+fn is_only(old: &Drawn, new: &Drawn, part: &DrawnPart, to: Option<DrawnEnd>) -> Result<(), String> {
+    let place = to.map(|to| (part.kind, [to, part.ends[1]]));
+    let own = |p: &DrawnPart| (p.kind, p.ends) == (part.kind, part.ends);
+    let at = |p: &DrawnPart| Some((p.kind, p.ends)) == place;
+    let others = |all: &Drawn| -> Vec<(String, String)> {
+        let kept = all.parts.iter().filter(|p| !own(p) && !at(p));
+        kept.map(|p| (p.key.clone(), p.title.clone())).collect()
+    };
+    let bodies = |all: &Drawn| all.bodies.iter().map(|b| b.title.clone()).collect::<Vec<_>>();
+    let mut same = [others(old), others(new)];
+    same.iter_mut().for_each(|all| all.sort());
+    let done = !new.parts.iter().any(own) && (to.is_none() || new.parts.iter().any(at));
+    let only = same[0] == same[1] && bodies(old) == bodies(new) && old.pushes == new.pushes;
+    if done && only { Ok(()) } else { Err(String::new()) }
+}
+
+/// The text with a mass that has a name, or with another damper or spring to the ground.
+fn added<'v>(model: &Model, body: &DrawnBody, what: &str, word: &dyn Fn(&'static str) -> &'v str) -> Result<String, String> {
+    if model.has_energies() {
+        return Err("the forces of this model follow from its energies: change these in the text".to_owned());
+    }
+    let (name, unit) = (words(word("name"))?, words(word("unit"))?);
+    let is_name = name.starts_with(|c: char| c.is_alphabetic()) && name.chars().all(|c| c.is_alphanumeric() || c == '_');
+    if !is_name {
+        return Err(format!("`{name}` is no name: letters, then digits"));
+    }
+    if model.free(name) != name {
+        return Err(format!("`{name}` is the name of something else"));
+    }
+    let value = number(word("value"))?;
+    let value = if unit.is_empty() { value } else { format!("({value}, {})", quoted(unit)) };
+    let set = |text: &str, path: &[&str], value: &str| set_at(text, path, value).map_err(|why| why.to_string());
+    let text = match what {
+        "mass" => set(&model.text, &["inertia", &body.speed], &quoted(name))?,
+        _ => {
+            let place = if what == "spring" { body.displacement.as_ref() } else { Some(&body.speed) };
+            let place = place.ok_or("this body has no displacement")?;
+            let rate = model.spec.known.iter().find(|(state, _)| state.value == body.speed);
+            let (_, rate) = rate.ok_or_else(gone)?;
+            let terms = Terms::read(&rate.value).ok_or_else(gone)?;
+            applied(&model.text, vec![(rate.span, terms.with_force(&format!("{name}*{place}"), body.mass.as_deref()))])
+        }
+    };
+    let text = set(&text, &["constants", name], &value)?;
+    Model::read(&text).map(|_| text)
+}
+
+/// The text with a body that may stick to the ground, and a candidate for its friction where candidates are asked for.
+fn with_contact(model: &Model, body: &DrawnBody) -> Result<String, String> {
+    let (spec, speed) = (&model.spec, body.speed.as_str());
+    if spec.contacts.iter().any(|c| c.value.trim() == speed) {
+        return Err(format!("`{speed}` can stick already"));
+    }
+    let why = |why: phisindy_phys::splice::SetError| why.to_string();
+    let mut text = push_at(&model.text, &["contacts"], &quoted(speed)).map_err(why)?;
+    let rubs = |t: &Text| Terms::read(&t.value).is_some_and(|t| !t.with_sign(&|names| names.contains(&speed)).is_empty());
+    match spec.unknown.iter().find(|(state, _)| state.value == speed) {
+        Some((_, own)) if own.factor.iter().chain(&own.candidates).any(rubs) => {}
+        Some(_) => text = push_at(&text, &["unknown", speed, "candidates"], &quoted(&format!("sgn({speed})"))).map_err(why)?,
+        None if spec.unknown.is_empty() => {}
+        None => {
+            // Along energies what acts is a force, divided by nothing.
+            let mass = body.mass.as_ref().filter(|_| !spec.is_moved(speed));
+            let over = mass.map_or(String::new(), |m| format!("/{}", factor(m)));
+            let entry = format!("(factor: \"-sgn({speed}){over}\", candidates: [\"1\"])");
+            text = set_at(&text, &["unknown", speed], &entry).map_err(why)?;
+        }
+    }
+    Model::read(&text).map(|_| text)
+}
