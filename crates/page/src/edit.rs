@@ -5,7 +5,7 @@
 
 use crate::terms::{Ends, Terms, applied, factor};
 use phisindy_expr::Span;
-use phisindy_phys::spec::{ConstantSpec, DataSpec, Number, Spec, Text};
+use phisindy_phys::spec::{ConstantSpec, CsvSpec, DataSpec, Number, Role, Spec, Text};
 use phisindy_phys::splice::{push_at, quoted, remove_at, set_at};
 use phisindy_phys::{Diagnostic, SourceId, spec};
 use phisindy_report::{Drawn, DrawnBody, DrawnEnd, DrawnPart, drawn};
@@ -66,7 +66,12 @@ fn gone() -> String {
 pub(crate) fn shown(text: &str) -> Value {
     let read = spec::read(text, SourceId(0)).ok();
     let model = Model::read(text).ok();
+    let files = |(spec, _): &(Spec, _)| {
+        let records = spec.data.iter().filter_map(of_file);
+        records.map(|csv| json!({ "file": csv.path.value, "role": role(csv) })).collect::<Vec<_>>()
+    };
     json!({
+        "files": read.as_ref().map(files),
         "constants": read.map(|(spec, _)| constants(&spec, text)),
         "sketch": model.as_ref().and_then(|m| Some(sketch(m, m.drawn.as_ref()?))),
     })
@@ -102,6 +107,20 @@ fn sketch(model: &Model, drawn: &Drawn) -> Value {
         "svg": drawn.svg,
         "parts": drawn.parts.iter().map(part).chain(drawn.bodies.iter().map(body)).collect::<Vec<_>>(),
     })
+}
+
+fn of_file(data: &DataSpec) -> Option<&CsvSpec> {
+    match data {
+        DataSpec::Csv(csv) if !csv.in_memory => Some(csv),
+        _ => None,
+    }
+}
+
+fn role(csv: &CsvSpec) -> &'static str {
+    match csv.role {
+        Role::Fit => "Fit",
+        Role::Validate => "Validate",
+    }
 }
 
 /// A unit as the spec writes it.
@@ -157,6 +176,7 @@ pub(crate) fn edit(asked: &Value) -> Result<String, String> {
             changed(&model, part, Some(DrawnEnd::Base(base)))
         }
         "mass" | "damper" | "spring" => added(&model, model.body(word("part"))?, what, &word),
+        "record" => with_record(&model, word("file"), word("to")),
         "contact" => with_contact(&model, model.body(word("part"))?),
         _ => Err(format!("there is no edit `{what}`")),
     }
@@ -470,4 +490,162 @@ fn with_contact(model: &Model, body: &DrawnBody) -> Result<String, String> {
         }
     }
     Model::read(&text).map(|_| text)
+}
+
+/// The text with the records of a file for this, or for nothing; a new one is read as the first record is, but as a whole.
+fn with_record(model: &Model, file: &str, to: &str) -> Result<String, String> {
+    let why = |why: phisindy_phys::splice::SetError| why.to_string();
+    let all: Vec<(usize, &CsvSpec)> =
+        model.spec.data.iter().enumerate().filter_map(|(k, d)| Some((k, of_file(d)?))).collect();
+    let own: Vec<String> = all.iter().filter(|(_, c)| c.path.value == file).map(|(k, _)| k.to_string()).collect();
+    let mut text = model.text.clone();
+    match to {
+        "none" => {
+            for k in own.iter().rev() {
+                text = remove_at(&text, &["data", k]).map_err(why)?;
+            }
+        }
+        "Fit" | "Validate" => {
+            for k in &own {
+                text = set_at(&text, &["data", k, "role"], to).map_err(why)?;
+            }
+            if own.is_empty() {
+                let (_, first) = all.first().ok_or("the spec reads no file that another one could be like")?;
+                let mut record = format!("(data: [{}])", &text[first.span.range()]);
+                for field in ["name", "window", "run", "rows", "start"] {
+                    record = remove_at(&record, &["data", "0", field]).unwrap_or(record);
+                }
+                record = set_at(&record, &["data", "0", "path"], &quoted(words(file)?)).map_err(why)?;
+                record = set_at(&record, &["data", "0", "role"], to).map_err(why)?;
+                let record = record.strip_prefix("(data: [").and_then(|r| r.strip_suffix("])")).ok_or_else(gone)?;
+                text = push_at(&text, &["data"], record).map_err(why)?;
+            }
+        }
+        _ => return Err(format!("a file is not for `{to}`")),
+    }
+    Model::read(&text).map(|_| text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const RIG: &str = r#"(
+    constants: {
+        "m": (2.0, "kg"), // weighed
+        "k": (value: 800.0, unit: "N/m", within: (8.0, 8e4)),
+        "c": 0.5, /* a guess */
+        "w": "sqrt(k/m)",
+    },
+    states: { "x": "m", "v": "m/s" },
+    inputs: { "u": "m", "du": "m/s" },
+    known: { "x": "v", "v": "(-c*v - k*(x - u))/m" }, // the physics
+    unknown: { "v": (factor: "-sgn(v)/m", candidates: ["1", "x"]) },
+    contacts: ["v"],
+    data: [Csv(path: "a.csv", time: "t", columns: { "x": "x", "u": "u" }, derive: { "du": Derivative("u") })],
+)"#;
+
+    fn done(text: &str, wish: Value) -> Result<String, String> {
+        let mut wish = wish;
+        wish["text"] = json!(text);
+        edit(&wish)
+    }
+
+    /// What a line became, and that all others stay.
+    fn line(text: &str, new: &str, from: &str, to: &str) {
+        assert!(text.contains(from), "{from} in {text}");
+        assert_eq!(new, text.replacen(from, to, 1));
+    }
+
+    #[test]
+    fn parts_are_moved_and_removed_where_they_stand() {
+        let of = |what: &str, part: &str| done(RIG, json!({ "what": what, "part": part })).unwrap();
+        line(RIG, &of("base", "damper-ground-body0"), "-c*v - k", "-c*(v - du) - k");
+        line(RIG, &of("ground", "spring-base0-body0"), "k*(x - u)", "k*x");
+        line(RIG, &of("remove", "spring-base0-body0"), "(-c*v - k*(x - u))", "(-c*v)");
+        line(RIG, &of("remove", "damper-ground-body0"), "(-c*v - k*(x - u))", "(-k*(x - u))");
+        let rubs = of("base", "asked-friction-ground-body0");
+        line(&RIG.replace("-sgn(v)", "-sgn((v - du))"), &rubs, "contacts: [\"v\"]", "contacts: [\"v - du\"]");
+        assert_eq!(done(&rubs, json!({ "what": "ground", "part": "asked-friction-base0-body0" })).unwrap(), RIG.replace("-sgn(v)", "-sgn(v)"));
+        let bare = of("remove", "asked-friction-ground-body0");
+        line(&RIG.replace("contacts: [\"v\"]", "contacts: []"), &bare, "\"v\": (factor: \"-sgn(v)/m\", candidates: [\"1\", \"x\"]) ", "");
+        // Written out it is one part all the same.
+        let out = RIG.replace("(-c*v - k*(x - u))/m", "(du*c + k*u - c*v - k*x)/m");
+        let new = done(&out, json!({ "what": "ground", "part": "damper-base0-body0" })).unwrap();
+        line(&out, &new, "(du*c + k*u - c*v - k*x)", "(k*u - c*v - k*x)");
+    }
+
+    #[test]
+    fn a_body_gets_parts() {
+        let wish = |what: &str, name: &str, unit: &str| json!({ "what": what, "part": "body0", "name": name, "value": "3,5", "unit": unit });
+        let new = done(RIG, wish("damper", "d", "N*s/m")).unwrap();
+        assert!(new.contains("(-c*v - k*(x - u) - d*v)/m") && new.contains("\"w\": \"sqrt(k/m)\",\n        \"d\": (3.5, \"N*s/m\"),\n"), "{new}");
+        for (wrong, why) in [(wish("spring", "k", "N/m"), "name of something else"), (wish("spring", "k2", "N"), ""), (wish("spring", "2\"", "N/m"), ""), (wish("mass", "m3", "kg"), "")] {
+            let told = done(RIG, wrong.clone());
+            let fine = wrong["what"] == "mass" && told.is_ok();
+            assert!(fine || told.as_ref().is_err_and(|t| t.contains(why)), "{wrong}: {told:?}");
+        }
+        assert!(done(RIG, json!({ "what": "contact", "part": "body0" })).unwrap_err().contains("already"));
+        let free = RIG.replace("contacts: [\"v\"],", "").replace("(factor: \"-sgn(v)/m\", candidates: [\"1\", \"x\"])", "(candidates: [\"x\"])");
+        let new = done(&free, json!({ "what": "contact", "part": "body0" })).unwrap();
+        assert!(new.contains("candidates: [\"x\", \"sgn(v)\"]") && new.contains("contacts: [\"v\"]"), "{new}");
+        let rates = r#"(constants: { "k": (9.0, "1/s^2") }, states: { "x": "m", "v": "m/s" }, known: { "x": "v", "v": "-k*x" }, data: [Csv(path: "a.csv", time: "t", columns: { "x": "x" })])"#;
+        let new = done(rates, wish("mass", "m", "kg")).unwrap();
+        assert!(new.contains("\"m\": (3.5, \"kg\")") && new.contains("inertia: { \"v\": \"m\" }"), "{new}");
+    }
+
+    #[test]
+    fn constants_change_at_their_place_alone() {
+        let set = |name: &str, field: &str, to: &str| done(RIG, json!({ "what": "constant", "name": name, "field": field, "to": to }));
+        line(RIG, &set("m", "value", "1.6").unwrap(), "(2.0, \"kg\")", "(1.6, \"kg\")");
+        line(RIG, &set("m", "value", "1600 g").unwrap(), "(2.0, \"kg\")", "(1600, \"g\")");
+        line(RIG, &set("k", "high", "9e3").unwrap(), "8e4", "9e3");
+        line(RIG, &set("k", "kind", "find").unwrap(), "(value: 800.0,", "Find(start: 800.0,");
+        line(RIG, &set("k", "kind", "held").unwrap(), "(value: 800.0, unit: \"N/m\", within: (8.0, 8e4))", "(800.0, \"N/m\")");
+        line(RIG, &set("m", "kind", "find").unwrap(), "(2.0, \"kg\")", "Find(start: 2.0, unit: \"kg\", within: (0.2, 20.0))");
+        line(RIG, &set("c", "unit", "N*s/m").unwrap(), "0.5", "(0.5, \"N*s/m\")");
+        line(RIG, &set("w", "value", "k/m").unwrap(), "sqrt(k/m)", "k/m");
+        for (name, field, to) in [("k", "value", "9e9"), ("m", "unit", "N"), ("m", "value", "much"), ("m", "unit", "\""), ("q", "value", "1"), ("m", "low", "1"), ("m", "kind", "odd"), ("m", "hat", "1"), ("m", "value", "1e999")] {
+            assert!(set(name, field, to).is_err_and(|why| !why.is_empty()), "{name} {field} {to}");
+        }
+    }
+
+    #[test]
+    fn a_file_is_to_fit_to_validate_or_not_used() {
+        let set = |text: &str, file: &str, to: &str| done(text, json!({ "what": "record", "file": file, "to": to }));
+        let two = set(RIG, "b.csv", "Validate").unwrap();
+        let record = r#"Csv(path: "b.csv", time: "t", columns: { "x": "x", "u": "u" }, derive: { "du": Derivative("u") }, role: Validate)"#;
+        line(RIG, &two, "Derivative(\"u\") })]", &format!("Derivative(\"u\") }}), {record}]"));
+        assert_eq!(set(&two, "b.csv", "none").unwrap(), RIG);
+        let fit = set(&two, "b.csv", "Fit").unwrap();
+        line(&two, &fit, "role: Validate", "role: Fit");
+        assert!(set(RIG, "a.csv", "none").is_err() && set(RIG, "a\".csv", "Fit").is_err() && set(RIG, "b.csv", "odd").is_err());
+    }
+
+    /// Every edit that is offered for any spec of the repository is made so that the text is good, or refused in words.
+    #[test]
+    fn what_is_offered_is_done_or_refused() {
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../specs");
+        let (mut made, mut refused) = (0, vec![]);
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            let Ok(text) = std::fs::read_to_string(&path) else { continue };
+            let shown = shown(&text);
+            for part in shown["sketch"]["parts"].as_array().into_iter().flatten() {
+                for what in part["can"].as_array().unwrap() {
+                    let new = &part["new"][what.as_str().unwrap()];
+                    let wish = json!({ "what": what, "part": part["key"], "name": new["name"], "unit": new["unit"], "value": "1.5" });
+                    match done(&text, wish) {
+                        Ok(new) => { made += 1; assert!(Model::read(&new).is_ok() && new != text, "{path:?} {what} {part}"); }
+                        Err(why) => refused.push(format!("{} {what} {}: {why}", path.file_stem().unwrap().display(), part["title"])),
+                    }
+                }
+            }
+        }
+        eprintln!("{made} made; refused:\n{}", refused.join("\n"));
+        assert!(made > 150 && refused.len() < made / 8, "{made} made; refused:\n{}", refused.join("\n"));
+        for odd in [json!(null), json!([]), json!({}), json!({ "text": "(", "what": "constant" }), json!({ "text": RIG, "what": "remove", "part": 7 }), json!({ "text": RIG, "what": "constant", "name": "m", "record": 1e300, "field": "value", "to": "1" })] {
+            assert!(edit(&odd).is_err() || odd["record"].is_number(), "{odd}");
+        }
+    }
 }

@@ -3,7 +3,7 @@ const $ = id => document.getElementById(id);
 // The address ends with the token, so that every request beside it has it.
 const base = location.pathname.replace(/[^/]*$/, "");
 const at = (path, query) => base + path + (query ? "?" + Object.entries(query).map(([k, v]) => k + "=" + encodeURIComponent(v)).join("&") : "");
-const page = { data: null, look: null, spec: null, saved: null, version: "", conflict: false, saving: Promise.resolve(), checked: 0, job: null, asked: false, mine: null, languages: [], ok: false, open: false, back: [], editing: Promise.resolve(), part: null, sketch: null, constants: null, running: false, gone: false };
+const page = { data: null, look: null, spec: null, saved: null, version: "", conflict: false, saving: Promise.resolve(), checked: 0, job: null, asked: false, mine: null, languages: [], ok: false, open: false, ticked: [], datas: [], files: null, back: [], editing: Promise.resolve(), part: null, sketch: null, constants: null, running: false, gone: false };
 const isSpec = name => /\.ron$/i.test(name);
 
 async function ask(path, query, body, headers) {
@@ -28,6 +28,9 @@ const short = x => x === null || x === undefined ? "" : (x === 0 ? "0" : (Math.a
 async function folder() {
   const state = await ask("api/state");
   page.languages = state.languages;
+  page.datas = state.data;
+  showFiles();
+  steps();
   $("where").textContent = state.folder;
   document.title = "phisindy - " + state.folder.split(/[\\/]/).pop();
   const list = (id, all, open) => $(id).replaceChildren(...(all.length ? all.map(open) : [made("li", "none yet", { className: "soft" })]));
@@ -38,7 +41,10 @@ async function folder() {
   list("results", state.results, result => {
     const li = made("li");
     const how = result.ended + (result.stopped ? ", stopped early" : "") + (result.laws.length ? ": " + result.laws.join(", ") : "");
-    li.append(link(result.name, showResult), made("div", result.title), made("div", how, { className: "soft" }), made("div", new Date(1000 * result.time).toLocaleString(), { className: "soft" }));
+    const tick = made("input", undefined, { type: "checkbox", value: result.name, checked: page.ticked.includes(result.name), ariaLabel: "compare " + result.name, onchange: guarded(() => ticked(tick)) });
+    const head = made("div", undefined, { className: "row" });
+    head.append(tick, link(result.name, showResult));
+    li.append(head, made("div", result.title), made("div", how, { className: "soft" }), made("div", new Date(1000 * result.time).toLocaleString(), { className: "soft" }));
     return li;
   });
   return state;
@@ -117,7 +123,7 @@ function curve(c) {
   if (!points.length) return box;
   const xs = points.map(p => p[0]), ys = points.map(p => p[1]);
   const [x0, x1] = [Math.min(...xs), Math.max(...xs)], [y0, y1] = [Math.min(...ys), Math.max(...ys)];
-  const X = x => left + (W - 2 * left) * (x - x0) / ((x1 - x0) || 1), Y = y => H - 22 - (H - 40) * (y - y0) / ((y1 - y0) || 1);
+  const X = x => left + (W - 2 * left) * (x - x0) / ((x1 - x0) || 1), Y = y => H - 22 - (H - 40) * (c.log ? Math.log(y / y0) / (Math.log(y1 / y0) || 1) : (y - y0) / ((y1 - y0) || 1));
   const ns = "http://www.w3.org/2000/svg", svg = document.createElementNS(ns, "svg");
   svg.setAttribute("viewBox", `0 0 ${W} ${H}`); svg.setAttribute("width", "100%"); svg.setAttribute("role", "img");
   svg.setAttribute("aria-label", `${c.heading} against time, from ${short(y0)} to ${short(y1)}`);
@@ -197,7 +203,7 @@ function edit(wish, said) {
     const before = text(), name = page.spec;
     $("refused").textContent = $("edited").textContent = "";
     try {
-      const after = (await ask("api/edit", {}, JSON.stringify({ ...wish, text: before }))).text;
+      const after = (await ask("api/edit", { name }, JSON.stringify({ ...wish, text: before }))).text;
       if (page.spec !== name || text() !== before) throw new Error("the text was changed meanwhile: try again");
       if (after === before) return;
       setText(after);
@@ -222,7 +228,8 @@ $("back").onclick = guarded(async () => {
 });
 function showModel(told) {
   $("model").hidden = false;
-  if (told.constants) page.constants = told.constants;
+  if (told.constants) { page.constants = told.constants; page.files = told.files; }
+  if (!$("files").contains(document.activeElement) || told.files) showFiles();
   if (told.sketch || told.ok) { page.sketch = told.sketch; drawSketch(); }
   if (told.diagnostics) $("sketch").classList.toggle("stale", !told.sketch);
   $("sketch").hidden = $("sketch-hint").hidden = !page.sketch;
@@ -230,6 +237,21 @@ function showModel(told) {
   $("constants-box").hidden = !all.length;
   fill($("constants"), "form", all);
   showPart();
+}
+// Which files of the folder the spec reads, and what for.
+function showFiles() {
+  const roles = name => [...new Set(page.files.filter(f => f.file === name).map(f => f.role))];
+  const all = page.files && page.files.length ? [...new Set([...page.files.map(f => f.file), ...page.datas])] : [];
+  $("files-box").hidden = !all.length;
+  $("files").replaceChildren(...all.map(name => {
+    const li = made("li"), now = roles(name), e = made("select", undefined, { ariaLabel: "what " + name + " is for" });
+    const words = [["none", "not used"], ["Fit", "to fit"], ["Validate", "to validate"], ...(now.length > 1 ? [["both", "a part to fit, a part to validate"]] : [])];
+    e.append(...words.map(([value, words]) => made("option", words, { value })));
+    e.value = now.length > 1 ? "both" : now[0] || "none";
+    e.onchange = () => edit({ what: "record", file: name, to: e.value }, name + ": changed in the text");
+    li.append(made("b", name), e);
+    return li;
+  }));
 }
 function drawSketch() {
   const had = document.activeElement && document.activeElement.dataset.part;
@@ -390,6 +412,9 @@ function working(job) {
   const stopped = job.ended && job.ended.stopped;
   $("line").textContent = job.running ? took + ", " + (job.stopping ? "stopping; " : "") + job.activity : what + (stopped ? ": stopped after " : ": ") + took;
   if (job.running) $("answer-name").textContent = what;
+  const steps = job.curve.flatMap(([t, gap], k) => k ? [[t, job.curve[k - 1][1]], [t, gap]] : [[t, gap]]);
+  $("curve").hidden = !steps.length;
+  if (steps.length) $("curve").replaceChildren(curve({ heading: "gap of the best model so far (1 is the noise)", unit: "over time in s", log: true, points: [...steps, [job.seconds, job.curve.at(-1)[1]]] }));
   if (job.ended && page.job !== job.job) {
     page.job = job.job;
     ended(job);
@@ -441,16 +466,38 @@ function bars(result) {
     return [made("span", words), bar, made("span", short(value))];
   });
 }
+const row = (tag, cells) => { const tr = made("tr"); tr.append(...cells.map(c => made(tag, c))); return tr; };
+const interval = ci => ci && ci.length === 2 ? "[" + short(ci[0]) + ", " + short(ci[1]) + "]" : "";
+// The numbers of a result: name, value, interval, unit. Those of a law stand among the parameters again.
+function listed(result) {
+  const all = new Map(), put = (name, value, ci95, unit) => all.has(name) || all.set(name, { name, value, ci95, unit: unit || "" });
+  for (const step of result.steps || []) for (const [name, p] of Object.entries(step.parameters)) put(name, p.value, p.ci95, p.unit);
+  for (const e of result.equations || []) for (const t of e.terms || []) put(t.candidate + " in " + e.state + "'", t.coefficient, t.ci95, t.unit);
+  for (const p of result.parameters || []) put(p.name, p.value, p.ci95, p.unit);
+  return all;
+}
+async function ticked(tick) {
+  // The two that were ticked last.
+  page.ticked = [...page.ticked.filter(name => name !== tick.value), ...(tick.checked ? [tick.value] : [])].slice(-2);
+  for (const other of $("results").querySelectorAll("[type=checkbox]")) other.checked = page.ticked.includes(other.value);
+  $("compare").hidden = page.ticked.length < 2;
+  if (page.ticked.length < 2) return;
+  const names = [...page.ticked], all = await Promise.all(names.map(name => ask("results/" + encodeURIComponent(name) + "/result.json")));
+  const [a, b] = all.map(listed), table = made("table");
+  const error = p => p.ci95 && p.ci95.length === 2 ? (p.ci95[1] - p.ci95[0]) / 3.92 : NaN;
+  table.append(row("th", ["number", ...names, "difference"]));
+  for (const name of new Set([...a.keys(), ...b.keys()])) {
+    const pair = [a.get(name), b.get(name)], said = p => p ? short(p.value) + " " + p.unit + " " + interval(p.ci95) : "none";
+    const both = pair[0] && pair[1] && pair[0].unit === pair[1].unit, far = both ? (pair[1].value - pair[0].value) / Math.hypot(error(pair[0]), error(pair[1])) : NaN;
+    table.append(row("td", [name, ...pair.map(said), isFinite(far) ? (far > 0 ? "+" : "") + far.toFixed(1) + " standard errors" : ""]));
+  }
+  $("compared").replaceChildren(table);
+  $("compare").scrollIntoView({ block: "nearest" });
+}
 function numbers(result, gap) {
-  const table = made("table"), row = (tag, cells) => { const tr = made("tr"); tr.append(...cells.map(c => made(tag, c))); return tr; };
-  const box = made("div", undefined, { className: "scroll" });
+  const table = made("table"), box = made("div", undefined, { className: "scroll" });
   table.append(row("th", ["number", "value", "95 % interval", "unit"]));
-  const interval = ci => ci && ci.length === 2 ? "[" + short(ci[0]) + ", " + short(ci[1]) + "]" : "";
-  if (gap) for (const step of result.steps) for (const [name, p] of Object.entries(step.parameters)) table.append(row("td", [name, short(p.value), interval(p.ci95), p.unit || ""]));
-  else for (const e of result.equations) for (const t of e.terms) table.append(row("td", [t.candidate + " in " + e.state + "'", short(t.coefficient), interval(t.ci95), t.unit || ""]));
-  // The numbers of a law stand among the parameters again.
-  const seen = new Set(gap ? result.steps.flatMap(s => Object.keys(s.parameters)) : []);
-  for (const p of result.parameters) if (!seen.has(p.name)) table.append(row("td", [p.name, short(p.value), interval(p.ci95), p.unit || ""]));
+  for (const p of listed(result).values()) table.append(row("td", [p.name, short(p.value), interval(p.ci95), p.unit]));
   box.append(table);
   const doubts = [...(result.doubts || []), ...(result.warnings || [])];
   if (doubts.length) {
@@ -461,6 +508,22 @@ function numbers(result, gap) {
   }
   return box;
 }
+
+// Ten minutes with an example; a step ticks itself when it is done.
+const done = {
+  data: () => page.data !== null, spec: () => page.spec !== null, change: () => page.back.length > 0,
+  search: () => page.running || page.job > 0, answer: () => !$("answer").hidden,
+};
+function steps() {
+  for (const li of $("steps").children) {
+    if (done[li.dataset.step]()) li.classList.add("done");
+    li.querySelector("i").textContent = li.classList.contains("done") ? "\u2713 done" : "";
+  }
+}
+$("example").onclick = guarded(async () => { const told = await ask("api/example", {}, ""); await folder(); await openData(told.name); steps(); });
+const tour = on => { $("tour").hidden = !on; $("tour-open").setAttribute("aria-expanded", on); steps(); };
+$("tour-open").onclick = () => { tour($("tour").hidden); if (!$("tour").hidden) $("h-tour").focus(); };
+$("tour-close").onclick = () => { tour(false); $("tour-open").focus(); };
 
 // A file is dropped anywhere.
 const over = on => event => { event.preventDefault(); $("drop").classList.toggle("over", on); };
@@ -486,6 +549,7 @@ async function watch() {
     if (page.gone) tell("");
     page.gone = false;
     working(now.job);
+    steps();
     const elsewhere = now.version && now.version !== version && version === page.version && !page.conflict;
     if (elsewhere && !dirty()) await openSpec(page.spec);
   } catch (why) { page.gone = true; tell(why); }
@@ -494,6 +558,7 @@ async function watch() {
 }
 guarded(async () => {
   const state = await folder();
+  tour(!state.results.length && !state.specs.length && !state.first);
   if (state.first) await (isSpec(state.first) ? openSpec(state.first) : openData(state.first));
   await watch();
 })();

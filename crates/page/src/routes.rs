@@ -78,9 +78,26 @@ const ROUTES: &[(&str, &str, u64, Handler)] = &[
         Ok(Reply::json(&check::check(&path, &text, &asked.site.request)))
     }),
     ("POST", "api/edit", 2 * LARGEST_SPEC, |asked| {
-        let wish = serde_json::from_str(&asked.text()?).map_err(|why| why.to_string())?;
+        let wish: Value = serde_json::from_str(&asked.text()?).map_err(|why| why.to_string())?;
         let _turn = asked.turn();
-        Ok(Reply::json(&json!({ "text": edit::edit(&wish)? })))
+        let text = edit::edit(&wish)?;
+        if wish["what"] == "record" {
+            // Whether a file has these columns its data tell.
+            let told = check::check(&asked.site.folder.file(&asked.spec()?)?, &text, &asked.site.request);
+            let mistakes = told["diagnostics"].as_array().into_iter().flatten();
+            if let Some(d) = mistakes.filter(|d| d["error"] == true).next() {
+                return Err(d["message"].as_str().unwrap_or_default().to_owned());
+            }
+        }
+        Ok(Reply::json(&json!({ "text": text })))
+    }),
+    ("POST", "api/example", 0, |asked| {
+        let mut example: &[u8] = include_bytes!("../../../docs/tutorial/rig.csv");
+        match asked.site.folder.write("rig.csv", &mut example, LARGEST_DATA, Place::Beside) {
+            Ok((name, _)) => Ok(Reply::json(&json!({ "name": name }))),
+            Err(Unwritten::Because(why)) => Err(why),
+            Err(Unwritten::Changed) => Err("nothing is written".to_owned()),
+        }
     }),
     ("POST", "api/start", 0, |asked| {
         let what = asked.word("what")?;
