@@ -82,7 +82,9 @@ fn sketch(model: &Model, drawn: &Drawn) -> Value {
         let mut can = vec![];
         if is_of_contact(part) || is_element(part) && !model.has_energies() {
             match part.ends {
-                [DrawnEnd::Ground, DrawnEnd::Body(_)] if !drawn.bases.is_empty() => can.push("base"),
+                [DrawnEnd::Ground, DrawnEnd::Body(_)] => {
+                    can.extend(drawn.bases.iter().any(|b| b[order(part)].is_some()).then_some("base"));
+                }
                 [DrawnEnd::Base(_), _] => can.push("ground"),
                 _ => {}
             }
@@ -91,14 +93,14 @@ fn sketch(model: &Model, drawn: &Drawn) -> Value {
         json!({ "key": part.key, "title": part.title, "constants": part.constants, "can": can })
     };
     let body = |body: &DrawnBody| {
-        let mut can = vec!["contact"];
+        let mut can = vec![];
+        can.extend((!sticks(&model.spec, &body.speed)).then_some("contact"));
         if !model.has_energies() {
             can.push("damper");
             can.extend(body.displacement.is_some().then_some("spring"));
             can.extend(body.mass.is_none().then_some("mass"));
         }
         let [mass, damper, spring] = &body.units;
-        let mass = if mass.is_empty() { "kg" } else { mass };
         let new = |stem: &str, unit: &str| json!({ "name": model.free(stem), "unit": plain(unit) });
         json!({ "key": body.key, "title": body.title, "constants": body.constants, "can": can,
                 "new": { "mass": new("m", mass), "damper": new("d", damper), "spring": new("k", spring) } })
@@ -282,6 +284,11 @@ fn order(part: &DrawnPart) -> usize {
     usize::from(!part.kind.ends_with("spring"))
 }
 
+/// Whether a speed is one that can stick.
+fn sticks(spec: &Spec, speed: &str) -> bool {
+    spec.contacts.iter().any(|c| c.value.trim() == speed)
+}
+
 /// A spring or a damper that the spec states.
 fn is_element(part: &DrawnPart) -> bool {
     !part.sought && (part.kind.ends_with("spring") || part.kind.ends_with("damper"))
@@ -332,6 +339,11 @@ fn attempt(
     strict: bool,
 ) -> Result<Option<String>, String> {
     let (spec, contact) = (&model.spec, is_of_contact(part));
+    // What rubs depends on speeds; a displacement in its law is one of the body.
+    let speeds_alone = |pair: &[Option<String>; 2]| [None, pair[1].clone()];
+    let rubbing = Ends { bodies: ends.bodies.iter().map(speeds_alone).collect(), base: ends.base.as_ref().map(speeds_alone) };
+    let (rubbing_base, ends) = (base.map(speeds_alone), if contact { &rubbing } else { ends });
+    let base = if contact { rubbing_base.as_ref() } else { base };
     let order = order(part);
     if base.is_some_and(|base| base[order].is_none()) {
         let what = ["displacement", "speed"][order];
@@ -471,7 +483,7 @@ fn added<'v>(model: &Model, body: &DrawnBody, what: &str, word: &dyn Fn(&'static
 /// The text with a body that may stick to the ground, and a candidate for its friction where candidates are asked for.
 fn with_contact(model: &Model, body: &DrawnBody) -> Result<String, String> {
     let (spec, speed) = (&model.spec, body.speed.as_str());
-    if spec.contacts.iter().any(|c| c.value.trim() == speed) {
+    if sticks(spec, speed) {
         return Err(format!("`{speed}` can stick already"));
     }
     let why = |why: phisindy_phys::splice::SetError| why.to_string();
@@ -565,8 +577,8 @@ mod tests {
         line(RIG, &of("remove", "spring-base0-body0"), "(-c*v - k*(x - u))", "(-c*v)");
         line(RIG, &of("remove", "damper-ground-body0"), "(-c*v - k*(x - u))", "(-k*(x - u))");
         let rubs = of("base", "asked-friction-ground-body0");
-        line(&RIG.replace("-sgn(v)", "-sgn((v - du))"), &rubs, "contacts: [\"v\"]", "contacts: [\"v - du\"]");
-        assert_eq!(done(&rubs, json!({ "what": "ground", "part": "asked-friction-base0-body0" })).unwrap(), RIG.replace("-sgn(v)", "-sgn(v)"));
+        line(&RIG.replace("-sgn(v)", "-sgn(v - du)"), &rubs, "contacts: [\"v\"]", "contacts: [\"v - du\"]");
+        assert_eq!(done(&rubs, json!({ "what": "ground", "part": "asked-friction-base0-body0" })).unwrap(), RIG);
         let bare = of("remove", "asked-friction-ground-body0");
         line(&RIG.replace("contacts: [\"v\"]", "contacts: []"), &bare, "\"v\": (factor: \"-sgn(v)/m\", candidates: [\"1\", \"x\"]) ", "");
         // Written out it is one part all the same.
@@ -642,8 +654,7 @@ mod tests {
                 }
             }
         }
-        eprintln!("{made} made; refused:\n{}", refused.join("\n"));
-        assert!(made > 150 && refused.len() < made / 8, "{made} made; refused:\n{}", refused.join("\n"));
+        assert!(made > 150 && refused.len() < 8, "{made} made; refused:\n{}", refused.join("\n"));
         for odd in [json!(null), json!([]), json!({}), json!({ "text": "(", "what": "constant" }), json!({ "text": RIG, "what": "remove", "part": 7 }), json!({ "text": RIG, "what": "constant", "name": "m", "record": 1e300, "field": "value", "to": "1" })] {
             assert!(edit(&odd).is_err() || odd["record"].is_number(), "{odd}");
         }

@@ -178,7 +178,9 @@ impl<'t> Terms<'t> {
         let relative = |k: usize| match (&self.ast.nodes[k].kind, base) {
             (AstKind::Name(own), Some(base)) => {
                 let other = base[ends.order(own)?].as_ref()?;
-                Some((k, Some(format!("({own} - {other})"))))
+                let function = |p: usize| matches!(self.ast.nodes[p].kind, AstKind::Unary(u, _) if u != Unary::Neg);
+                let moved = format!("{own} - {other}");
+                Some((k, Some(if function(self.parents[k]) { moved } else { format!("({moved})") })))
             }
             (AstKind::Binary(Binary::Sub, a, b), None) => match (self.name(*a)?, self.name(*b)?) {
                 (own, other) if ends.order(own).is_some() && ends.is_of_base(other) => Some((k, Some(own.to_owned()))),

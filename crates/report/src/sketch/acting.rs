@@ -23,16 +23,21 @@ pub(super) struct View<'a> {
 }
 
 /// The constants that an expression is made of.
-pub(super) fn constants(system: &System, node: Id) -> Vec<String> {
-    let all = system.parameters.iter().map(|p| (p.node, &p.name));
-    let all = all.chain(system.record_constants.iter().map(|(name, node)| (*node, name)));
-    all.filter(|(own, _)| system.graph.uses(&[node], &[*own])).map(|(_, name)| name.clone()).collect()
+pub(super) fn constants(system: &mut System, probe: &Probe, node: Id) -> Vec<String> {
+    let all = system.parameters.iter().map(|p| (p.node, p.name.clone()));
+    let all = all.chain(system.record_constants.iter().map(|(name, node)| (*node, name.clone())));
+    let (nodes, names): (Vec<Id>, Vec<String>) = all.unzip();
+    let slopes = system.graph.gradient(node, &nodes);
+    let one = system.graph.constant(1.0);
+    // `k + h - h` is of `k` alone.
+    let told = names.into_iter().zip(slopes).filter(|(_, slope)| !probe.nothing(&system.graph, *slope, one));
+    told.map(|(name, _)| name).collect()
 }
 
 impl View<'_> {
     /// The constants that an expression is made of.
-    pub(super) fn constants(&self, node: Id) -> Vec<String> {
-        constants(self.system, node)
+    pub(super) fn constants(&mut self, node: Id) -> Vec<String> {
+        constants(self.system, self.probe, node)
     }
 
     pub(super) fn displacement(&self, body: usize) -> Option<Id> {

@@ -63,8 +63,8 @@ impl Reading {
     }
 
     /// The constants that an expression is made of.
-    pub(super) fn constants(&self, node: Id) -> Vec<String> {
-        constants(&self.system, node)
+    pub(super) fn constants(&mut self, node: Id) -> Vec<String> {
+        constants(&mut self.system, &self.probe, node)
     }
 
     fn add_bodies(&mut self, plans: &[RecordPlan]) {

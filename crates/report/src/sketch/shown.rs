@@ -75,10 +75,12 @@ pub struct DrawnBody {
 pub fn drawn(spec: &Spec, case: &Case) -> Option<Drawn> {
     let mut reading = Reading::new(spec, case, Numbers::default());
     found::add_sought(&mut reading, case);
-    let Reading { system, bodies, bases, scheme, .. } = &reading;
-    if scheme.bodies.is_empty() && scheme.blocks.is_empty() {
+    if reading.scheme.bodies.is_empty() && reading.scheme.blocks.is_empty() {
         return None;
     }
+    let masses: Vec<_> = reading.bodies.iter().map(|b| b.mass).collect();
+    let masses: Vec<_> = masses.into_iter().map(|m| m.map_or(vec![], |m| reading.constants(m))).collect();
+    let Reading { system, bodies, bases, scheme, .. } = &reading;
     let canvas: Canvas = layout::drawn(scheme);
     let (wide, high) = layout::size(&canvas);
     let svg = element("svg")
@@ -99,9 +101,12 @@ pub fn drawn(spec: &Spec, case: &Case) -> Option<Drawn> {
             title: format!("body {}, {of}", shown.name),
             displacement: body.displacement.map(name),
             speed: name(body.speed),
-            constants: body.mass.map_or(vec![], |mass| reading.constants(mass)),
+            constants: masses[k].clone(),
             mass,
-            units: [INERTIA, DAMPING, STIFFNESS].map(|units| unit(system, body, units)),
+            units: match body.mass {
+                None => [INERTIA[usize::from(body.turns)].to_owned(), String::new(), String::new()],
+                Some(_) => [INERTIA, DAMPING, STIFFNESS].map(|units| unit(system, body, units)),
+            },
         }
     };
     let end = |end: End| match end {
