@@ -894,17 +894,17 @@ fn the_sketch_and_the_constants_are_forms_of_the_text() {
     browser.picture("11-sketch");
 
     // The damper goes, and comes back.
-    browser.value("document.querySelector('[data-part^=damper]').focus()");
+    browser.value("document.querySelector('[data-key^=damper]').focus()");
     browser.key("Enter");
     browser.until("!$('part').hidden && document.activeElement === $('part-title')");
     browser.picture("12-part");
     browser.value("[...document.querySelectorAll('#part-actions button')].find(b => b.textContent === 'Remove').focus()");
     browser.key("Enter");
-    browser.until("!text().includes('c*v') && !document.querySelector('[data-part^=damper]') && page.ok");
+    browser.until("!text().includes('c*v') && !document.querySelector('[data-key^=damper]') && page.ok");
     assert!(page.text("rig.ron").contains("\"(F - k*x)/m\", // EDIT: the physics that you are sure of"));
     assert_eq!(browser.value("document.activeElement.id + $('part').hidden"), "backtrue");
     browser.key("Enter");
-    browser.until("document.querySelector('[data-part^=damper]') && page.ok && page.saved === text()");
+    browser.until("document.querySelector('[data-key^=damper]') && page.ok && page.saved === text()");
     assert_eq!(page.text("rig.ron"), drafted);
 
     // A number is changed at its place; what the program refuses it says why.
@@ -924,7 +924,7 @@ fn the_sketch_and_the_constants_are_forms_of_the_text() {
     browser.until("text().includes('\"k\": Find(start: 835.0') && $('refused').textContent === ''");
 
     // A body gets a spring.
-    browser.value("document.querySelector('[data-part=body0]').focus()");
+    browser.value("document.querySelector('[data-key=body0]').focus()");
     browser.key(" ");
     browser.until("document.querySelectorAll('#part-new form').length === 2");
     browser.value("document.querySelectorAll('#part-new form')[1].elements.value.focus()");

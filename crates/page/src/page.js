@@ -215,6 +215,7 @@ function edit(wish, said) {
 }
 async function put() {
   clearTimeout(page.timer);
+  buttons();
   await save();
   await checked();
 }
@@ -254,25 +255,25 @@ function showFiles() {
   }));
 }
 function drawSketch() {
-  const had = document.activeElement && document.activeElement.dataset.part;
+  const had = document.activeElement && document.activeElement.dataset.key;
   $("sketch").hidden = false;
   $("sketch").innerHTML = page.sketch ? page.sketch.svg : "";
   for (const g of $("sketch").querySelectorAll("[data-part]")) {
     const part = page.sketch.parts.find(p => p.key === g.dataset.part);
     if (!part) continue;
     const box = g.getBBox(), hit = document.createElementNS("http://www.w3.org/2000/svg", "rect");
-    const set = { class: "hit", x: box.x - 5, y: box.y - 4, width: box.width + 10, height: box.height + 8, rx: 4 };
+    const set = { class: "hit", role: "button", tabindex: 0, "aria-label": part.title, "aria-controls": "part", "data-key": part.key, x: box.x - 5, y: box.y - 4, width: box.width + 10, height: box.height + 8, rx: 4 };
     for (const k in set) hit.setAttribute(k, set[k]);
-    g.prepend(hit);
-    for (const [k, v] of [["role", "button"], ["tabindex", 0], ["aria-label", part.title], ["aria-controls", "part"]]) g.setAttribute(k, v);
+    g.append(hit);
+    for (const words of g.querySelectorAll("text")) words.setAttribute("aria-hidden", true);
     const choose = () => { page.part = part.key; showPart(); $("part-title").focus(); };
-    g.onclick = choose;
-    g.onkeydown = event => { if (event.key === "Enter" || event.key === " ") { event.preventDefault(); choose(); } };
-    if (part.key === had) g.focus();
+    hit.onclick = choose;
+    hit.onkeydown = event => { if (event.key === "Enter" || event.key === " ") { event.preventDefault(); choose(); } };
+    if (part.key === had) hit.focus();
   }
 }
 function closePart() {
-  const g = $("sketch").querySelector("[data-part=\"" + page.part + "\"]");
+  const g = $("sketch").querySelector("[data-key=\"" + page.part + "\"]");
   page.part = null;
   showPart();
   if (g) g.focus();
@@ -282,7 +283,7 @@ $("part").onkeydown = event => { if (event.key === "Escape") closePart(); };
 function showPart() {
   const part = page.part && page.sketch && page.sketch.parts.find(p => p.key === page.part);
   const inside = $("part").contains(document.activeElement);
-  for (const g of $("sketch").querySelectorAll("[role=button]")) g.setAttribute("aria-expanded", Boolean(part) && g.dataset.part === part.key);
+  for (const g of $("sketch").querySelectorAll("[role=button]")) g.setAttribute("aria-expanded", Boolean(part) && g.dataset.key === part.key);
   $("part").hidden = !part;
   if (!part) { page.part = null; if (inside) $("back").focus(); return; }
   const all = (page.constants || []).filter(c => part.constants.includes(c.name));
@@ -295,14 +296,14 @@ function showPart() {
   const act = what => made("button", words[what], { type: "button", onclick: () => edit({ what, part: part.key }, words[what] + ": done") });
   const note = all.length || body ? [] : part.can.length ? [] : [made("span", "It is changed in the text.", { className: "soft" })];
   $("part-actions").replaceChildren(...part.can.filter(what => words[what]).map(act), ...note);
-  const made_new = { mass: "Name the mass", damper: "Add a damper", spring: "Add a spring" };
-  $("part-new").replaceChildren(...part.can.filter(what => made_new[what]).map(what => {
+  const adds = { mass: "Name the mass", damper: "Add a damper", spring: "Add a spring" };
+  $("part-new").replaceChildren(...part.can.filter(what => adds[what]).map(what => {
     const form = made("form", undefined, { className: "new" }), own = part.new[what];
-    const field = (name, value, label) => made("input", undefined, { name, value, ariaLabel: label + ", " + made_new[what], required: name !== "unit" });
+    const field = (name, value, label) => made("input", undefined, { name, value, ariaLabel: label + ", " + adds[what], required: name !== "unit" });
     const all = [field("name", own.name, "name"), field("value", "", "number"), field("unit", own.unit, "unit")];
     all[1].placeholder = "number"; all[1].inputMode = "decimal";
-    form.append(...all.slice(0, 1), made("span", "="), ...all.slice(1), made("button", made_new[what]));
-    form.onsubmit = event => { event.preventDefault(); edit({ what, part: part.key, name: all[0].value, value: all[1].value, unit: all[2].value }, made_new[what] + ": done"); };
+    form.append(...all.slice(0, 1), made("span", "="), ...all.slice(1), made("button", adds[what]));
+    form.onsubmit = event => { event.preventDefault(); edit({ what, part: part.key, name: all[0].value, value: all[1].value, unit: all[2].value }, adds[what] + ": done"); };
     return form;
   }));
 }
@@ -477,12 +478,13 @@ function listed(result) {
   return all;
 }
 async function ticked(tick) {
-  // The two that were ticked last.
+  // The two that were ticked last, the older first.
   page.ticked = [...page.ticked.filter(name => name !== tick.value), ...(tick.checked ? [tick.value] : [])].slice(-2);
   for (const other of $("results").querySelectorAll("[type=checkbox]")) other.checked = page.ticked.includes(other.value);
   $("compare").hidden = page.ticked.length < 2;
   if (page.ticked.length < 2) return;
-  const names = [...page.ticked], all = await Promise.all(names.map(name => ask("results/" + encodeURIComponent(name) + "/result.json")));
+  const newest = [...$("results").querySelectorAll("[type=checkbox]")].map(e => e.value);
+  const names = [...page.ticked].sort((a, b) => newest.indexOf(b) - newest.indexOf(a)), all = await Promise.all(names.map(name => ask("results/" + encodeURIComponent(name) + "/result.json")));
   const [a, b] = all.map(listed), table = made("table");
   const error = p => p.ci95 && p.ci95.length === 2 ? (p.ci95[1] - p.ci95[0]) / 3.92 : NaN;
   table.append(row("th", ["number", ...names, "difference"]));
@@ -495,7 +497,7 @@ async function ticked(tick) {
   $("compare").scrollIntoView({ block: "nearest" });
 }
 function numbers(result, gap) {
-  const table = made("table"), box = made("div", undefined, { className: "scroll" });
+  const table = made("table"), box = made("div", undefined, { className: "scroll", tabIndex: 0, role: "region", ariaLabel: "numbers of the result" });
   table.append(row("th", ["number", "value", "95 % interval", "unit"]));
   for (const p of listed(result).values()) table.append(row("td", [p.name, short(p.value), interval(p.ci95), p.unit]));
   box.append(table);
