@@ -20,7 +20,9 @@ struct Model {
 
 impl Model {
     fn read(text: &str) -> Result<Model, String> {
-        let first = |all: Vec<Diagnostic>| all.into_iter().find(Diagnostic::is_error).map_or(String::new(), |d| d.message);
+        let first = |all: Vec<Diagnostic>| {
+            all.into_iter().find(Diagnostic::is_error).map_or(String::new(), |d| d.message)
+        };
         let (spec, _) = spec::read(text, SourceId(0)).map_err(first)?;
         let (case, _) = phisindy_phys::check(&spec, SourceId(0)).map_err(first)?;
         let drawn = drawn(&spec, &case);
@@ -149,7 +151,8 @@ fn constants(spec: &Spec, text: &str) -> Value {
         told
     };
     let own = spec.constants.iter().map(|c| one(None, c));
-    let of_records = spec.data.iter().enumerate().flat_map(|(k, d)| d.constants().iter().map(move |c| one(Some(k), c)));
+    let of_records =
+        spec.data.iter().enumerate().flat_map(|(k, d)| d.constants().iter().map(move |c| one(Some(k), c)));
     own.chain(of_records).collect()
 }
 
@@ -168,7 +171,8 @@ pub(crate) fn edit(asked: &Value) -> Result<String, String> {
             _ => Ok(new),
         };
     }
-    let model = Model::read(text).map_err(|why| format!("the text has a mistake, which comes first: {why}"))?;
+    let model =
+        Model::read(text).map_err(|why| format!("the text has a mistake, which comes first: {why}"))?;
     match what {
         "remove" => changed(&model, model.part(word("part"))?, None),
         "ground" => changed(&model, model.part(word("part"))?, Some(DrawnEnd::Ground)),
@@ -187,7 +191,11 @@ pub(crate) fn edit(asked: &Value) -> Result<String, String> {
 /// What a user types as a number, as it stands in a spec.
 fn number(typed: &str) -> Result<String, String> {
     let typed = typed.trim().replace(',', ".");
-    let value: f64 = typed.parse().ok().filter(|x: &f64| x.is_finite()).ok_or_else(|| format!("`{typed}` is no number"))?;
+    let value: f64 = typed
+        .parse()
+        .ok()
+        .filter(|x: &f64| x.is_finite())
+        .ok_or_else(|| format!("`{typed}` is no number"))?;
     let first = typed.trim_start_matches('-').starts_with(|c: char| c.is_ascii_digit());
     Ok(if first && !typed.ends_with('.') { typed } else { format!("{value:?}") })
 }
@@ -215,7 +223,8 @@ fn constant(text: &str, asked: &Value) -> Result<String, String> {
         list.iter().find(|(n, _)| n.value == name).ok_or_else(|| format!("there is no constant `{name}`"))?;
     let k = record.unwrap_or_default().to_string();
     let set = |field: Option<&str>, value: &str| {
-        let path: Vec<&str> = if record.is_some() { vec!["data", &k, "constants", name] } else { vec!["constants", name] };
+        let path: Vec<&str> =
+            if record.is_some() { vec!["data", &k, "constants", name] } else { vec!["constants", name] };
         let path: Vec<&str> = path.into_iter().chain(field).collect();
         set_at(text, &path, value).map_err(|why| why.to_string())
     };
@@ -239,14 +248,18 @@ fn constant(text: &str, asked: &Value) -> Result<String, String> {
         },
         "unit" => match (constant.unit(), constant) {
             (Some(old), _) => at(old.span, words(to)?),
-            (None, ConstantSpec::Number { .. }) => at(value.span, &format!("({}, {})", written(value), quoted(words(to)?))),
+            (None, ConstantSpec::Number { .. }) => {
+                at(value.span, &format!("({}, {})", written(value), quoted(words(to)?)))
+            }
             (None, _) => set(Some("unit"), &quoted(words(to)?)),
         },
         "low" | "high" => {
             let (low, high) = within.ok_or_else(|| format!("`{name}` has no bounds in the text"))?;
             at(if word("field") == "low" { low.span } else { high.span }, &number(to)?)
         }
-        "kind" if !plain => Err(format!("`{name}` has a belief, or a value for each record: change it in the text")),
+        "kind" if !plain => {
+            Err(format!("`{name}` has a belief, or a value for each record: change it in the text"))
+        }
         "kind" => {
             let (low, high) = within.map_or_else(|| bounds(value.value), |(l, h)| (written(l), written(h)));
             let unit = constant.unit().map(|u| format!(", unit: {}", quoted(&u.value))).unwrap_or_default();
@@ -273,10 +286,8 @@ fn bounds(x: f64) -> (String, String) {
     (short(a), short(b))
 }
 
-const FRICTION: &str = "friction";
-
 fn is_of_contact(part: &DrawnPart) -> bool {
-    part.kind == FRICTION
+    part.kind == "friction"
 }
 
 /// Whether a part acts along displacements (0) or speeds (1).
@@ -309,131 +320,153 @@ fn ends_of(drawn: &Drawn, ends: [DrawnEnd; 2]) -> Ends {
     all
 }
 
-/// The text without a part (`None`), or with it at another support.
+/// A part that is to go (`to` is none), or to stand on another support.
+struct Change<'m> {
+    model: &'m Model,
+    part: &'m DrawnPart,
+    ends: Ends,
+    to: Option<DrawnEnd>,
+    base: Option<[Option<String>; 2]>,
+}
+
+/// New texts at places, and entries that go.
+#[derive(Default)]
+struct Plan {
+    edits: Vec<(Span, String)>,
+    removed: Vec<Vec<String>>,
+}
+
+/// The text without a part (`None`), or with it on another support.
 fn changed(model: &Model, part: &DrawnPart, to: Option<DrawnEnd>) -> Result<String, String> {
     let drawn = model.drawn()?;
-    let ends = ends_of(drawn, part.ends);
-    let base = match to {
+    let (mut ends, order) = (ends_of(drawn, part.ends), order(part));
+    let mut base = match to {
         Some(DrawnEnd::Base(k)) => Some(drawn.bases.get(k).ok_or("no support moves in this model")?.clone()),
         _ => None,
     };
-    let mut why = "this part is written together with others: change it in the text".to_owned();
-    // Terms that are exactly between the ends come first, then all with the constants of the part.
-    for strict in [true, false] {
-        let Some(new) = attempt(model, part, &ends, (to, base.as_ref()), strict)? else { continue };
-        match Model::read(&new).and_then(|new| is_only(drawn, new.drawn()?, part, to)) {
-            Ok(()) => return Ok(new),
-            Err(reason) if !reason.is_empty() => why = reason,
-            Err(_) => {}
-        }
-    }
-    Err(why)
-}
-
-/// The text after one try; none if nothing of the part was found.
-fn attempt(
-    model: &Model,
-    part: &DrawnPart,
-    ends: &Ends,
-    (to, base): (Option<DrawnEnd>, Option<&[Option<String>; 2]>),
-    strict: bool,
-) -> Result<Option<String>, String> {
-    let (spec, contact) = (&model.spec, is_of_contact(part));
-    // What rubs depends on speeds; a displacement in its law is one of the body.
-    let speeds_alone = |pair: &[Option<String>; 2]| [None, pair[1].clone()];
-    let rubbing = Ends { bodies: ends.bodies.iter().map(speeds_alone).collect(), base: ends.base.as_ref().map(speeds_alone) };
-    let (rubbing_base, ends) = (base.map(speeds_alone), if contact { &rubbing } else { ends });
-    let base = if contact { rubbing_base.as_ref() } else { base };
-    let order = order(part);
-    if base.is_some_and(|base| base[order].is_none()) {
+    if base.as_ref().is_some_and(|base| base[order].is_none()) {
         let what = ["displacement", "speed"][order];
         return Err(format!("the {what} of the base is no input of the model: add it to `inputs` first"));
     }
-    let is_moving = |name: &str| {
-        [&spec.states, &spec.inputs].into_iter().flatten().any(|(n, _)| n.value == name)
-    };
-    let speeds: Vec<&String> = ends.of(1).collect();
-    let along = |names: &[&str]| {
-        let moving: Vec<&&str> = names.iter().filter(|n| is_moving(n)).collect();
-        !moving.is_empty()
-            && moving.iter().all(|n| speeds.iter().any(|s| s == *n))
-            && speeds.iter().all(|s| moving.iter().any(|n| s == *n))
-    };
-    let of_bodies = |(name, _): &&(Text, Text)| ends.bodies.iter().any(|b| b[1].as_ref() == Some(&name.value));
-    let mut edits = vec![];
-    for (_, rate) in spec.known.iter().filter(of_bodies) {
-        let Some(terms) = Terms::read(&rate.value) else { continue };
-        let found = if contact {
-            terms.with_sign(&along)
-        } else {
-            terms.with_names(&|name| match part.constants.is_empty() {
-                true => ends.of(order).any(|n| n == name),
-                false => part.constants.iter().any(|c| c == name),
-            }, part.constants.is_empty())
+    if is_of_contact(part) {
+        // What rubs depends on speeds; a displacement in its law is one of the body.
+        ends.bodies.iter_mut().chain(&mut ends.base).chain(&mut base).for_each(|pair| pair[0] = None);
+    }
+    let change = Change { model, part, ends, to, base };
+    // Terms that are exactly between the ends come first, then all with the constants of the part.
+    for strict in [true, false] {
+        let plan = change.plan(strict)?;
+        let mut text = applied(&model.text, plan.edits);
+        for path in plan.removed {
+            let path: Vec<&str> = path.iter().map(String::as_str).collect();
+            text = remove_at(&text, &path).map_err(|why| why.to_string())?;
+        }
+        let new = Model::read(&text).ok();
+        if new.and_then(|new| new.drawn).is_some_and(|new| is_only(drawn, &new, part, to)) {
+            return Ok(text);
+        }
+    }
+    Err("this part is written together with others: change it in the text".to_owned())
+}
+
+impl Change<'_> {
+    fn is_moving(&self, name: &str) -> bool {
+        let Spec { states, inputs, .. } = &self.model.spec;
+        states.iter().chain(inputs).any(|(n, _)| n.value == name)
+    }
+
+    /// Whether what moves among some names is the speeds at the ends.
+    fn is_along(&self, names: &[&str]) -> bool {
+        let speeds: Vec<&str> = self.ends.of(1).map(String::as_str).collect();
+        let moving: Vec<&str> = names.iter().copied().filter(|n| self.is_moving(n)).collect();
+        moving.iter().all(|n| speeds.contains(n)) && speeds.iter().all(|s| moving.contains(s))
+    }
+
+    fn plan(&self, strict: bool) -> Result<Plan, String> {
+        let mut plan = Plan::default();
+        let of_bodies = |state: &Text| self.ends.bodies.iter().any(|b| b[1].as_ref() == Some(&state.value));
+        for (_, rate) in self.model.spec.known.iter().filter(|(state, _)| of_bodies(state)) {
+            let Some(terms) = Terms::read(&rate.value) else { continue };
+            let found = self.terms(&terms, strict);
+            if !found.is_empty() {
+                let new = match self.to {
+                    None => terms.without(&found),
+                    Some(_) => terms.moved(&found, &|n| self.is_moving(n), &self.ends, self.base.as_ref()),
+                };
+                plan.edits.push((rate.span, new.unwrap_or_else(|| "0".to_owned())));
+            }
+        }
+        if is_of_contact(self.part) {
+            self.contact(&mut plan)?;
+        }
+        Ok(plan)
+    }
+
+    /// The terms of a rate that are of the part.
+    fn terms(&self, terms: &Terms<'_>, strict: bool) -> Vec<usize> {
+        if is_of_contact(self.part) {
+            return terms.with_sign(&|names| self.is_along(names));
+        }
+        let (order, constants) = (order(self.part), &self.part.constants);
+        // A number without a name is known by what it multiplies.
+        let bare = constants.is_empty();
+        let wanted = |name: &str| match bare {
+            true => self.ends.of(order).any(|n| n == name),
+            false => constants.iter().any(|c| c == name),
         };
-        let right = |&term: &usize| {
-            let names = terms.names(terms.motion(term, &is_moving));
+        let between = |&term: &usize| {
+            let names = terms.names(terms.motion(term, &|n| self.is_moving(n)));
             let has = |name: &String| names.contains(&name.as_str());
-            let other = |name: &&str| is_moving(name) && !ends.each().flatten().any(|n| n == name);
-            contact
-                || ends.of(order).any(has)
-                    && (!strict || !names.iter().any(other) && ends.each().all(|end| end.into_iter().any(has)))
+            let own = |name: &str| self.ends.each().flatten().any(|n| n == name);
+            let only = || names.iter().all(|n| own(n) || !self.is_moving(n));
+            let all = || self.ends.each().all(|end| end.into_iter().any(has));
+            self.ends.of(order).any(has) && (!strict || only() && all())
         };
-        let found: Vec<usize> = found.into_iter().filter(right).collect();
-        if found.is_empty() {
-            continue;
-        }
-        let new = match to {
-            None => terms.without(&found),
-            Some(_) => terms.moved(&found, &is_moving, ends, base),
-        };
-        edits.push((rate.span, new.unwrap_or_else(|| "0".to_owned())));
+        terms.with_names(&wanted, bare).into_iter().filter(between).collect()
     }
-    let mut removed: Vec<Vec<String>> = vec![];
-    if contact {
-        for (k, own) in spec.contacts.iter().enumerate() {
-            let Some(terms) = Terms::read(&own.value) else { continue };
-            if along(&terms.names(terms.root())) {
-                match to {
-                    None => removed.insert(0, vec!["contacts".to_owned(), k.to_string()]),
-                    Some(_) => edits.extend(terms.shifted(ends, base).map(|new| (own.span, new))),
+
+    /// What `contacts` and `unknown` say of a contact.
+    fn contact(&self, plan: &mut Plan) -> Result<(), String> {
+        let shifted = |text: &Text| {
+            Some((text.span, Terms::read(&text.value)?.shifted(&self.ends, self.base.as_ref())?))
+        };
+        let along = |names: &[&str]| self.is_along(names);
+        let rubs = |text: &Text| Terms::read(&text.value).is_some_and(|t| !t.with_sign(&along).is_empty());
+        for (k, own) in self.model.spec.contacts.iter().enumerate() {
+            if Terms::read(&own.value).is_some_and(|t| self.is_along(&t.names(t.root()))) {
+                match self.to {
+                    None => plan.removed.insert(0, vec!["contacts".to_owned(), k.to_string()]),
+                    Some(_) => plan.edits.extend(shifted(own)),
                 }
             }
         }
-        for (state, unknown) in spec.unknown.iter().filter(|(s, _)| speeds.iter().any(|n| **n == s.value)) {
-            let rubs = |text: &Text| Terms::read(&text.value).is_some_and(|t| !t.with_sign(&along).is_empty());
-            let factor = unknown.factor.iter().any(rubs);
-            let texts = unknown.candidates.iter().enumerate().filter(|(_, c)| factor || rubs(c));
+        for (state, unknown) in &self.model.spec.unknown {
+            if !self.ends.of(1).any(|n| *n == state.value) {
+                continue;
+            }
             if !unknown.laws.is_empty() {
-                return Err("`unknown` names laws here, whose contact comes with them: change it in the text".to_owned());
+                let why = "`unknown` names laws here, whose contact comes with them: change it in the text";
+                return Err(why.to_owned());
             }
-            let (candidates, all): (Vec<_>, usize) = (texts.collect(), unknown.candidates.len());
-            let path = ["unknown".to_owned(), state.value.clone()];
-            match to {
-                None if factor || !candidates.is_empty() && candidates.len() == all => removed.push(path.to_vec()),
-                None => removed.extend(candidates.iter().rev().map(|(k, _)| {
-                    path.iter().cloned().chain(["candidates".to_owned(), k.to_string()]).collect()
-                })),
-                Some(_) => {
-                    let texts = candidates.into_iter().map(|(_, c)| c).chain(unknown.factor.iter().filter(|f| rubs(f)));
-                    edits.extend(texts.filter_map(|t| Some((t.span, Terms::read(&t.value)?.shifted(ends, base)?))));
+            let (path, all) = (["unknown".to_owned(), state.value.clone()], &unknown.candidates);
+            let factor = unknown.factor.as_ref().filter(|f| rubs(f));
+            let own: Vec<usize> = (0..all.len()).filter(|&k| factor.is_some() || rubs(&all[k])).collect();
+            match self.to {
+                Some(_) => plan.edits.extend(own.iter().map(|&k| &all[k]).chain(factor).filter_map(shifted)),
+                None if own.len() == all.len() => plan.removed.push(path.to_vec()),
+                None => {
+                    plan.removed.extend(own.iter().rev().map(|k| {
+                        path.iter().cloned().chain(["candidates".to_owned(), k.to_string()]).collect()
+                    }))
                 }
             }
         }
+        Ok(())
     }
-    if edits.is_empty() && removed.is_empty() {
-        return Ok(None);
-    }
-    let mut text = applied(&model.text, edits);
-    for path in removed {
-        let path: Vec<&str> = path.iter().map(String::as_str).collect();
-        text = remove_at(&text, &path).map_err(|why| why.to_string())?;
-    }
-    Ok(Some(text))
 }
 
 /// Whether a sketch differs from another one by this part alone, which is gone, or at another support.
-fn is_only(old: &Drawn, new: &Drawn, part: &DrawnPart, to: Option<DrawnEnd>) -> Result<(), String> {
+fn is_only(old: &Drawn, new: &Drawn, part: &DrawnPart, to: Option<DrawnEnd>) -> bool {
     let place = to.map(|to| (part.kind, [to, part.ends[1]]));
     let own = |p: &DrawnPart| (p.kind, p.ends) == (part.kind, part.ends);
     let at = |p: &DrawnPart| Some((p.kind, p.ends)) == place;
@@ -446,16 +479,22 @@ fn is_only(old: &Drawn, new: &Drawn, part: &DrawnPart, to: Option<DrawnEnd>) -> 
     same.iter_mut().for_each(|all| all.sort());
     let done = !new.parts.iter().any(own) && (to.is_none() || new.parts.iter().any(at));
     let only = same[0] == same[1] && bodies(old) == bodies(new) && old.pushes == new.pushes;
-    if done && only { Ok(()) } else { Err(String::new()) }
+    done && only
 }
 
 /// The text with a mass that has a name, or with another damper or spring to the ground.
-fn added<'v>(model: &Model, body: &DrawnBody, what: &str, word: &dyn Fn(&'static str) -> &'v str) -> Result<String, String> {
+fn added<'v>(
+    model: &Model,
+    body: &DrawnBody,
+    what: &str,
+    word: &dyn Fn(&'static str) -> &'v str,
+) -> Result<String, String> {
     if model.has_energies() {
         return Err("the forces of this model follow from its energies: change these in the text".to_owned());
     }
     let (name, unit) = (words(word("name"))?, words(word("unit"))?);
-    let is_name = name.starts_with(|c: char| c.is_alphabetic()) && name.chars().all(|c| c.is_alphanumeric() || c == '_');
+    let is_name = name.starts_with(|c: char| c.is_alphabetic())
+        && name.chars().all(|c| c.is_alphanumeric() || c == '_');
     if !is_name {
         return Err(format!("`{name}` is no name: letters, then digits"));
     }
@@ -464,7 +503,8 @@ fn added<'v>(model: &Model, body: &DrawnBody, what: &str, word: &dyn Fn(&'static
     }
     let value = number(word("value"))?;
     let value = if unit.is_empty() { value } else { format!("({value}, {})", quoted(unit)) };
-    let set = |text: &str, path: &[&str], value: &str| set_at(text, path, value).map_err(|why| why.to_string());
+    let set =
+        |text: &str, path: &[&str], value: &str| set_at(text, path, value).map_err(|why| why.to_string());
     let text = match what {
         "mass" => set(&model.text, &["inertia", &body.speed], &quoted(name))?,
         _ => {
@@ -473,7 +513,10 @@ fn added<'v>(model: &Model, body: &DrawnBody, what: &str, word: &dyn Fn(&'static
             let rate = model.spec.known.iter().find(|(state, _)| state.value == body.speed);
             let (_, rate) = rate.ok_or_else(gone)?;
             let terms = Terms::read(&rate.value).ok_or_else(gone)?;
-            applied(&model.text, vec![(rate.span, terms.with_force(&format!("{name}*{place}"), body.mass.as_deref()))])
+            applied(
+                &model.text,
+                vec![(rate.span, terms.with_force(&format!("{name}*{place}"), body.mass.as_deref()))],
+            )
         }
     };
     let text = set(&text, &["constants", name], &value)?;
@@ -488,10 +531,15 @@ fn with_contact(model: &Model, body: &DrawnBody) -> Result<String, String> {
     }
     let why = |why: phisindy_phys::splice::SetError| why.to_string();
     let mut text = push_at(&model.text, &["contacts"], &quoted(speed)).map_err(why)?;
-    let rubs = |t: &Text| Terms::read(&t.value).is_some_and(|t| !t.with_sign(&|names| names.contains(&speed)).is_empty());
+    let rubs = |t: &Text| {
+        Terms::read(&t.value).is_some_and(|t| !t.with_sign(&|names| names.contains(&speed)).is_empty())
+    };
     match spec.unknown.iter().find(|(state, _)| state.value == speed) {
         Some((_, own)) if own.factor.iter().chain(&own.candidates).any(rubs) => {}
-        Some(_) => text = push_at(&text, &["unknown", speed, "candidates"], &quoted(&format!("sgn({speed})"))).map_err(why)?,
+        Some(_) => {
+            text = push_at(&text, &["unknown", speed, "candidates"], &quoted(&format!("sgn({speed})")))
+                .map_err(why)?
+        }
         None if spec.unknown.is_empty() => {}
         None => {
             // Along energies what acts is a force, divided by nothing.
@@ -509,7 +557,8 @@ fn with_record(model: &Model, file: &str, to: &str) -> Result<String, String> {
     let why = |why: phisindy_phys::splice::SetError| why.to_string();
     let all: Vec<(usize, &CsvSpec)> =
         model.spec.data.iter().enumerate().filter_map(|(k, d)| Some((k, of_file(d)?))).collect();
-    let own: Vec<String> = all.iter().filter(|(_, c)| c.path.value == file).map(|(k, _)| k.to_string()).collect();
+    let own: Vec<String> =
+        all.iter().filter(|(_, c)| c.path.value == file).map(|(k, _)| k.to_string()).collect();
     let mut text = model.text.clone();
     match to {
         "none" => {
@@ -522,14 +571,16 @@ fn with_record(model: &Model, file: &str, to: &str) -> Result<String, String> {
                 text = set_at(&text, &["data", k, "role"], to).map_err(why)?;
             }
             if own.is_empty() {
-                let (_, first) = all.first().ok_or("the spec reads no file that another one could be like")?;
+                let (_, first) =
+                    all.first().ok_or("the spec reads no file that another one could be like")?;
                 let mut record = format!("(data: [{}])", &text[first.span.range()]);
                 for field in ["name", "window", "run", "rows", "start"] {
                     record = remove_at(&record, &["data", "0", field]).unwrap_or(record);
                 }
                 record = set_at(&record, &["data", "0", "path"], &quoted(words(file)?)).map_err(why)?;
                 record = set_at(&record, &["data", "0", "role"], to).map_err(why)?;
-                let record = record.strip_prefix("(data: [").and_then(|r| r.strip_suffix("])")).ok_or_else(gone)?;
+                let record =
+                    record.strip_prefix("(data: [").and_then(|r| r.strip_suffix("])")).ok_or_else(gone)?;
                 text = push_at(&text, &["data"], record).map_err(why)?;
             }
         }
@@ -578,9 +629,17 @@ mod tests {
         line(RIG, &of("remove", "damper-ground-body0"), "(-c*v - k*(x - u))", "(-k*(x - u))");
         let rubs = of("base", "asked-friction-ground-body0");
         line(&RIG.replace("-sgn(v)", "-sgn(v - du)"), &rubs, "contacts: [\"v\"]", "contacts: [\"v - du\"]");
-        assert_eq!(done(&rubs, json!({ "what": "ground", "part": "asked-friction-base0-body0" })).unwrap(), RIG);
+        assert_eq!(
+            done(&rubs, json!({ "what": "ground", "part": "asked-friction-base0-body0" })).unwrap(),
+            RIG
+        );
         let bare = of("remove", "asked-friction-ground-body0");
-        line(&RIG.replace("contacts: [\"v\"]", "contacts: []"), &bare, "\"v\": (factor: \"-sgn(v)/m\", candidates: [\"1\", \"x\"]) ", "");
+        line(
+            &RIG.replace("contacts: [\"v\"]", "contacts: []"),
+            &bare,
+            "\"v\": (factor: \"-sgn(v)/m\", candidates: [\"1\", \"x\"]) ",
+            "",
+        );
         // Written out it is one part all the same.
         let out = RIG.replace("(-c*v - k*(x - u))/m", "(du*c + k*u - c*v - k*x)/m");
         let new = done(&out, json!({ "what": "ground", "part": "damper-base0-body0" })).unwrap();
@@ -591,16 +650,30 @@ mod tests {
     fn a_body_gets_parts() {
         let wish = |what: &str, name: &str, unit: &str| json!({ "what": what, "part": "body0", "name": name, "value": "3,5", "unit": unit });
         let new = done(RIG, wish("damper", "d", "N*s/m")).unwrap();
-        assert!(new.contains("(-c*v - k*(x - u) - d*v)/m") && new.contains("\"w\": \"sqrt(k/m)\",\n        \"d\": (3.5, \"N*s/m\"),\n"), "{new}");
-        for (wrong, why) in [(wish("spring", "k", "N/m"), "name of something else"), (wish("spring", "k2", "N"), ""), (wish("spring", "2\"", "N/m"), ""), (wish("mass", "m3", "kg"), "")] {
+        assert!(
+            new.contains("(-c*v - k*(x - u) - d*v)/m")
+                && new.contains("\"w\": \"sqrt(k/m)\",\n        \"d\": (3.5, \"N*s/m\"),\n"),
+            "{new}"
+        );
+        for (wrong, why) in [
+            (wish("spring", "k", "N/m"), "name of something else"),
+            (wish("spring", "k2", "N"), ""),
+            (wish("spring", "2\"", "N/m"), ""),
+            (wish("mass", "m3", "kg"), ""),
+        ] {
             let told = done(RIG, wrong.clone());
             let fine = wrong["what"] == "mass" && told.is_ok();
             assert!(fine || told.as_ref().is_err_and(|t| t.contains(why)), "{wrong}: {told:?}");
         }
         assert!(done(RIG, json!({ "what": "contact", "part": "body0" })).unwrap_err().contains("already"));
-        let free = RIG.replace("contacts: [\"v\"],", "").replace("(factor: \"-sgn(v)/m\", candidates: [\"1\", \"x\"])", "(candidates: [\"x\"])");
+        let free = RIG
+            .replace("contacts: [\"v\"],", "")
+            .replace("(factor: \"-sgn(v)/m\", candidates: [\"1\", \"x\"])", "(candidates: [\"x\"])");
         let new = done(&free, json!({ "what": "contact", "part": "body0" })).unwrap();
-        assert!(new.contains("candidates: [\"x\", \"sgn(v)\"]") && new.contains("contacts: [\"v\"]"), "{new}");
+        assert!(
+            new.contains("candidates: [\"x\", \"sgn(v)\"]") && new.contains("contacts: [\"v\"]"),
+            "{new}"
+        );
         let rates = r#"(constants: { "k": (9.0, "1/s^2") }, states: { "x": "m", "v": "m/s" }, known: { "x": "v", "v": "-k*x" }, data: [Csv(path: "a.csv", time: "t", columns: { "x": "x" })])"#;
         let new = done(rates, wish("mass", "m", "kg")).unwrap();
         assert!(new.contains("\"m\": (3.5, \"kg\")") && new.contains("inertia: { \"v\": \"m\" }"), "{new}");
@@ -608,30 +681,58 @@ mod tests {
 
     #[test]
     fn constants_change_at_their_place_alone() {
-        let set = |name: &str, field: &str, to: &str| done(RIG, json!({ "what": "constant", "name": name, "field": field, "to": to }));
+        let set = |name: &str, field: &str, to: &str| {
+            done(RIG, json!({ "what": "constant", "name": name, "field": field, "to": to }))
+        };
         line(RIG, &set("m", "value", "1.6").unwrap(), "(2.0, \"kg\")", "(1.6, \"kg\")");
         line(RIG, &set("m", "value", "1600 g").unwrap(), "(2.0, \"kg\")", "(1600, \"g\")");
         line(RIG, &set("k", "high", "9e3").unwrap(), "8e4", "9e3");
         line(RIG, &set("k", "kind", "find").unwrap(), "(value: 800.0,", "Find(start: 800.0,");
-        line(RIG, &set("k", "kind", "held").unwrap(), "(value: 800.0, unit: \"N/m\", within: (8.0, 8e4))", "(800.0, \"N/m\")");
-        line(RIG, &set("m", "kind", "find").unwrap(), "(2.0, \"kg\")", "Find(start: 2.0, unit: \"kg\", within: (0.2, 20.0))");
+        line(
+            RIG,
+            &set("k", "kind", "held").unwrap(),
+            "(value: 800.0, unit: \"N/m\", within: (8.0, 8e4))",
+            "(800.0, \"N/m\")",
+        );
+        line(
+            RIG,
+            &set("m", "kind", "find").unwrap(),
+            "(2.0, \"kg\")",
+            "Find(start: 2.0, unit: \"kg\", within: (0.2, 20.0))",
+        );
         line(RIG, &set("c", "unit", "N*s/m").unwrap(), "0.5", "(0.5, \"N*s/m\")");
         line(RIG, &set("w", "value", "k/m").unwrap(), "sqrt(k/m)", "k/m");
-        for (name, field, to) in [("k", "value", "9e9"), ("m", "unit", "N"), ("m", "value", "much"), ("m", "unit", "\""), ("q", "value", "1"), ("m", "low", "1"), ("m", "kind", "odd"), ("m", "hat", "1"), ("m", "value", "1e999")] {
+        for (name, field, to) in [
+            ("k", "value", "9e9"),
+            ("m", "unit", "N"),
+            ("m", "value", "much"),
+            ("m", "unit", "\""),
+            ("q", "value", "1"),
+            ("m", "low", "1"),
+            ("m", "kind", "odd"),
+            ("m", "hat", "1"),
+            ("m", "value", "1e999"),
+        ] {
             assert!(set(name, field, to).is_err_and(|why| !why.is_empty()), "{name} {field} {to}");
         }
     }
 
     #[test]
     fn a_file_is_to_fit_to_validate_or_not_used() {
-        let set = |text: &str, file: &str, to: &str| done(text, json!({ "what": "record", "file": file, "to": to }));
+        let set = |text: &str, file: &str, to: &str| {
+            done(text, json!({ "what": "record", "file": file, "to": to }))
+        };
         let two = set(RIG, "b.csv", "Validate").unwrap();
         let record = r#"Csv(path: "b.csv", time: "t", columns: { "x": "x", "u": "u" }, derive: { "du": Derivative("u") }, role: Validate)"#;
         line(RIG, &two, "Derivative(\"u\") })]", &format!("Derivative(\"u\") }}), {record}]"));
         assert_eq!(set(&two, "b.csv", "none").unwrap(), RIG);
         let fit = set(&two, "b.csv", "Fit").unwrap();
         line(&two, &fit, "role: Validate", "role: Fit");
-        assert!(set(RIG, "a.csv", "none").is_err() && set(RIG, "a\".csv", "Fit").is_err() && set(RIG, "b.csv", "odd").is_err());
+        assert!(
+            set(RIG, "a.csv", "none").is_err()
+                && set(RIG, "a\".csv", "Fit").is_err()
+                && set(RIG, "b.csv", "odd").is_err()
+        );
     }
 
     /// Every edit that is offered for any spec of the repository is made so that the text is good, or refused in words.
@@ -648,14 +749,28 @@ mod tests {
                     let new = &part["new"][what.as_str().unwrap()];
                     let wish = json!({ "what": what, "part": part["key"], "name": new["name"], "unit": new["unit"], "value": "1.5" });
                     match done(&text, wish) {
-                        Ok(new) => { made += 1; assert!(Model::read(&new).is_ok() && new != text, "{path:?} {what} {part}"); }
-                        Err(why) => refused.push(format!("{} {what} {}: {why}", path.file_stem().unwrap().display(), part["title"])),
+                        Ok(new) => {
+                            made += 1;
+                            assert!(Model::read(&new).is_ok() && new != text, "{path:?} {what} {part}");
+                        }
+                        Err(why) => refused.push(format!(
+                            "{} {what} {}: {why}",
+                            path.file_stem().unwrap().display(),
+                            part["title"]
+                        )),
                     }
                 }
             }
         }
         assert!(made > 150 && refused.len() < 8, "{made} made; refused:\n{}", refused.join("\n"));
-        for odd in [json!(null), json!([]), json!({}), json!({ "text": "(", "what": "constant" }), json!({ "text": RIG, "what": "remove", "part": 7 }), json!({ "text": RIG, "what": "constant", "name": "m", "record": 1e300, "field": "value", "to": "1" })] {
+        for odd in [
+            json!(null),
+            json!([]),
+            json!({}),
+            json!({ "text": "(", "what": "constant" }),
+            json!({ "text": RIG, "what": "remove", "part": 7 }),
+            json!({ "text": RIG, "what": "constant", "name": "m", "record": 1e300, "field": "value", "to": "1" }),
+        ] {
             assert!(edit(&odd).is_err() || odd["record"].is_number(), "{odd}");
         }
     }

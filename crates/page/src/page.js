@@ -294,7 +294,7 @@ function showPart() {
   $("part").dataset.shown = key;
   const words = { base: "Move to the base", ground: "Move to the ground", remove: "Remove", contact: "Add a contact here (dry friction)" };
   const act = what => made("button", words[what], { type: "button", onclick: () => edit({ what, part: part.key }, words[what] + ": done") });
-  const note = all.length || body ? [] : part.can.length ? [] : [made("span", "It is changed in the text.", { className: "soft" })];
+  const note = all.length || body || part.key.includes("friction") ? [] : [made("span", "Its number stands in the text.", { className: "soft" })];
   $("part-actions").replaceChildren(...part.can.filter(what => words[what]).map(act), ...note);
   const adds = { mass: "Name the mass", damper: "Add a damper", spring: "Add a spring" };
   $("part-new").replaceChildren(...part.can.filter(what => adds[what]).map(what => {
@@ -413,9 +413,11 @@ function working(job) {
   const stopped = job.ended && job.ended.stopped;
   $("line").textContent = job.running ? took + ", " + (job.stopping ? "stopping; " : "") + job.activity : what + (stopped ? ": stopped after " : ": ") + took;
   if (job.running) $("answer-name").textContent = what;
-  const steps = job.curve.flatMap(([t, gap], k) => k ? [[t, job.curve[k - 1][1]], [t, gap]] : [[t, gap]]);
-  $("curve").hidden = !steps.length;
-  if (steps.length) $("curve").replaceChildren(curve({ heading: "gap of the best model so far (1 is the noise)", unit: "over time in s", log: true, points: [...steps, [job.seconds, job.curve.at(-1)[1]]] }));
+  $("curve").hidden = !job.running || !job.curve.length;
+  if (!$("curve").hidden) {
+    const now = job.curve.at(-1)[1], points = job.curve.flatMap(([t, gap], k) => k ? [[t, job.curve[k - 1][1]], [t, gap]] : [[t, gap]]);
+    $("curve").replaceChildren(curve({ heading: "gap of the best model so far, now " + short(now) + " times the noise", unit: "over the seconds below", log: true, points: [...points, [job.seconds, now]] }));
+  }
   if (job.ended && page.job !== job.job) {
     page.job = job.job;
     ended(job);
@@ -472,9 +474,10 @@ const interval = ci => ci && ci.length === 2 ? "[" + short(ci[0]) + ", " + short
 // The numbers of a result: name, value, interval, unit. Those of a law stand among the parameters again.
 function listed(result) {
   const all = new Map(), put = (name, value, ci95, unit) => all.has(name) || all.set(name, { name, value, ci95, unit: unit || "" });
-  for (const step of result.steps || []) for (const [name, p] of Object.entries(step.parameters)) put(name, p.value, p.ci95, p.unit);
-  for (const e of result.equations || []) for (const t of e.terms || []) put(t.candidate + " in " + e.state + "'", t.coefficient, t.ci95, t.unit);
-  for (const p of result.parameters || []) put(p.name, p.value, p.ci95, p.unit);
+  const list = all => Array.isArray(all) ? all : [];
+  for (const step of list(result.steps)) for (const [name, p] of Object.entries(step.parameters)) put(name, p.value, p.ci95, p.unit);
+  for (const e of list(result.equations)) for (const t of list(e.terms)) put(t.candidate + " in " + e.state + "'", t.coefficient, t.ci95, t.unit);
+  for (const p of list(result.parameters)) put(p.name, p.value, p.ci95, p.unit);
   return all;
 }
 async function ticked(tick) {

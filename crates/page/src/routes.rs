@@ -84,8 +84,8 @@ const ROUTES: &[(&str, &str, u64, Handler)] = &[
         if wish["what"] == "record" {
             // Whether a file has these columns its data tell.
             let told = check::check(&asked.site.folder.file(&asked.spec()?)?, &text, &asked.site.request);
-            let mistakes = told["diagnostics"].as_array().into_iter().flatten();
-            if let Some(d) = mistakes.filter(|d| d["error"] == true).next() {
+            let mut all = told["diagnostics"].as_array().into_iter().flatten();
+            if let Some(d) = all.find(|d| d["error"] == true) {
                 return Err(d["message"].as_str().unwrap_or_default().to_owned());
             }
         }

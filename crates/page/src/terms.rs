@@ -119,7 +119,9 @@ impl<'t> Terms<'t> {
             let kind = &self.ast.nodes[k].kind;
             holds[k] = wanted(k) || operands(kind).any(|o| holds[o]);
             inner[k] = match *kind {
-                AstKind::Binary(Binary::Add | Binary::Sub, a, b) if !(loose && bare(a) && bare(b)) => holds[a] || holds[b],
+                AstKind::Binary(Binary::Add | Binary::Sub, a, b) if !(loose && bare(a) && bare(b)) => {
+                    holds[a] || holds[b]
+                }
                 AstKind::Binary(Binary::Mul | Binary::Div, a, b) => inner[a] || inner[b],
                 AstKind::Unary(Unary::Neg, a) => inner[a],
                 _ => false,
@@ -154,7 +156,13 @@ impl<'t> Terms<'t> {
     }
 
     /// The text with some terms along another support: `v` becomes `(v - w)`, or the other way round.
-    pub(crate) fn moved(&self, terms: &[usize], moving: &dyn Fn(&str) -> bool, ends: &Ends, base: Base<'_>) -> Option<String> {
+    pub(crate) fn moved(
+        &self,
+        terms: &[usize],
+        moving: &dyn Fn(&str) -> bool,
+        ends: &Ends,
+        base: Base<'_>,
+    ) -> Option<String> {
         let mut changes = HashMap::new();
         for &term in terms {
             let all = self.motion(term, moving);
@@ -170,7 +178,8 @@ impl<'t> Terms<'t> {
     /// All of it along another support.
     pub(crate) fn shifted(&self, ends: &Ends, base: Base<'_>) -> Option<String> {
         let changes: HashMap<_, _> = self.shifts(self.root(), ends, base).into_iter().collect();
-        let bare = changes.get(&self.root()).and_then(Option::as_ref).map(|t| t.trim_matches(['(', ')']).to_owned());
+        let bare =
+            changes.get(&self.root()).and_then(Option::as_ref).map(|t| t.trim_matches(['(', ')']).to_owned());
         if changes.is_empty() { None } else { bare.or_else(|| self.written(&changes)) }
     }
 
@@ -178,13 +187,18 @@ impl<'t> Terms<'t> {
         let relative = |k: usize| match (&self.ast.nodes[k].kind, base) {
             (AstKind::Name(own), Some(base)) => {
                 let other = base[ends.order(own)?].as_ref()?;
-                let function = |p: usize| matches!(self.ast.nodes[p].kind, AstKind::Unary(u, _) if u != Unary::Neg);
+                let function =
+                    |p: usize| matches!(self.ast.nodes[p].kind, AstKind::Unary(u, _) if u != Unary::Neg);
                 let moved = format!("{own} - {other}");
                 Some((k, Some(if function(self.parents[k]) { moved } else { format!("({moved})") })))
             }
             (AstKind::Binary(Binary::Sub, a, b), None) => match (self.name(*a)?, self.name(*b)?) {
-                (own, other) if ends.order(own).is_some() && ends.is_of_base(other) => Some((k, Some(own.to_owned()))),
-                (other, own) if ends.order(own).is_some() && ends.is_of_base(other) => Some((k, Some(format!("(-{own})")))),
+                (own, other) if ends.order(own).is_some() && ends.is_of_base(other) => {
+                    Some((k, Some(own.to_owned())))
+                }
+                (other, own) if ends.order(own).is_some() && ends.is_of_base(other) => {
+                    Some((k, Some(format!("(-{own})"))))
+                }
                 _ => None,
             },
             _ => None,
@@ -219,13 +233,16 @@ impl<'t> Terms<'t> {
                 (None, AstKind::Unary(_, a)) => {
                     let own = self.span(*a);
                     let inner = all[*a].take();
-                    inner.map(|inner| text[span.start..own.start].to_owned() + &inner + &text[own.end..span.end])
+                    inner.map(|inner| {
+                        text[span.start..own.start].to_owned() + &inner + &text[own.end..span.end]
+                    })
                 }
                 (None, AstKind::Binary(op, a, b)) => {
                     let (first, second) = (self.span(*a), self.span(*b));
                     let sum = matches!(op, Binary::Add | Binary::Sub);
                     let [head, gap, tail] =
-                        [span.start..first.start, first.end..second.start, second.end..span.end].map(|r| &text[r]);
+                        [span.start..first.start, first.end..second.start, second.end..span.end]
+                            .map(|r| &text[r]);
                     match (all[*a].take(), all[*b].take()) {
                         (Some(a), Some(b)) => Some(format!("{head}{a}{gap}{b}{tail}")),
                         (Some(a), None) if sum => Some(format!("{head}{a}{tail}")),

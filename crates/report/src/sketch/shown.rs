@@ -127,7 +127,11 @@ pub fn drawn(spec: &Spec, case: &Case) -> Option<Drawn> {
         svg: svg.to_string(),
         parts: scheme.elements.iter().filter(|p| p.kind != Kind::Link).map(part).collect(),
         bodies: bodies.iter().zip(&scheme.bodies).enumerate().map(body).collect(),
-        pushes: scheme.pushes.iter().map(|p| format!("{}: {}", scheme.bodies[p.body].name, p.words)).collect(),
+        pushes: scheme
+            .pushes
+            .iter()
+            .map(|p| format!("{}: {}", scheme.bodies[p.body].name, p.words))
+            .collect(),
         bases: bases.iter().map(|&(x, v)| [x.map(input), v.map(input)]).collect(),
     })
 }
