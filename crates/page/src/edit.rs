@@ -592,6 +592,8 @@ fn with_record(model: &Model, file: &str, to: &str) -> Result<String, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
+    use proptest::sample::select;
 
     const RIG: &str = r#"(
     constants: {
@@ -772,6 +774,28 @@ mod tests {
             json!({ "text": RIG, "what": "constant", "name": "m", "record": 1e300, "field": "value", "to": "1" }),
         ] {
             assert!(edit(&odd).is_err() || odd["record"].is_number(), "{odd}");
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(300))]
+
+        /// A text that is cut and joined anyhow is edited or refused, and what is made of a good text is good.
+        #[test]
+        fn no_text_makes_it_fail(
+            (from, long) in (0..RIG.len(), 0..40_usize),
+            piece in select(&["", "\"", "(", ")", "}", ",", "-", "sgn(v)", "|", "ä", "(x - u)", "1e999", "/*", "Find(", "r#\"v\"#", "energy: ()"][..]),
+            (what, part) in (select(&["remove", "base", "ground", "mass", "damper", "spring", "contact", "constant", "record"][..]),
+                select(&["spring-base0-body0", "damper-ground-body0", "asked-friction-ground-body0", "body0", ""][..])),
+            (field, to) in (select(&["value", "unit", "low", "high", "kind"][..]), select(&["1 kg", "find", "held", "within", "-", "\u{7}", "v\"", "1e-400"][..])),
+            name in select(&["m", "k", "c", "w", "q", "a.csv"][..]),
+        ) {
+            let text = format!("{}{piece}{}", &RIG[..from], &RIG[(from + long).min(RIG.len())..]);
+            let _ = shown(&text);
+            let made = done(&text, json!({ "what": what, "part": part, "name": name, "value": to, "unit": to, "field": field, "to": to, "file": name }));
+            if let Ok(new) = made {
+                prop_assert!(Model::read(&text).is_err() || Model::read(&new).is_ok(), "{new}");
+            }
         }
     }
 }

@@ -216,6 +216,7 @@ function edit(wish, said) {
 async function put() {
   clearTimeout(page.timer);
   buttons();
+  steps();
   await save();
   await checked();
 }
@@ -231,7 +232,11 @@ function showModel(told) {
   $("model").hidden = false;
   if (told.constants) { page.constants = told.constants; page.files = told.files; }
   if (!$("files").contains(document.activeElement) || told.files) showFiles();
-  if (told.sketch || told.ok) { page.sketch = told.sketch; drawSketch(); }
+  if (told.sketch || told.ok) {
+    const same = page.sketch && told.sketch && page.sketch.svg === told.sketch.svg;
+    page.sketch = told.sketch;
+    if (!same) drawSketch();
+  }
   if (told.diagnostics) $("sketch").classList.toggle("stale", !told.sketch);
   $("sketch").hidden = $("sketch-hint").hidden = !page.sketch;
   const all = page.constants || [];
@@ -243,6 +248,7 @@ function showModel(told) {
 function showFiles() {
   const roles = name => [...new Set(page.files.filter(f => f.file === name).map(f => f.role))];
   const all = page.files && page.files.length ? [...new Set([...page.files.map(f => f.file), ...page.datas])] : [];
+  if ($("files-box").hidden && all.length > 1) $("files-box").open = true;
   $("files-box").hidden = !all.length;
   $("files").replaceChildren(...all.map(name => {
     const li = made("li"), now = roles(name), e = made("select", undefined, { ariaLabel: "what " + name + " is for" });
