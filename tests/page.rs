@@ -521,6 +521,8 @@ const PIECES: &[&str] = &[
     "api/data?name=",
     "api/look?name=",
     "api/check?name=",
+    "api/edit?name=",
+    "{\"text\":\"(\",\"what\":\"constant\"}",
     "api/export?result=",
     "&to=python",
     "&beside=1",
@@ -672,6 +674,22 @@ impl Browser {
         let target = self.call("Target.createTarget", json!({ "url": url }))["targetId"].clone();
         let session = self.call("Target.attachToTarget", json!({ "targetId": target, "flatten": true }));
         self.session = session["sessionId"].as_str().map(str::to_owned);
+    }
+
+    /// Presses a key.
+    fn key(&mut self, key: &str) {
+        let (code, text) = match key {
+            "Enter" => (13, "\r"),
+            "Tab" => (9, ""),
+            _ => (32, " "),
+        };
+        for kind in ["keyDown", "keyUp"] {
+            let mut event = json!({ "type": kind, "key": key, "code": key, "windowsVirtualKeyCode": code });
+            if kind == "keyDown" && !text.is_empty() {
+                event["text"] = json!(text);
+            }
+            self.call("Input.dispatchKeyEvent", event);
+        }
     }
 
     /// Between two pages there is nothing that could evaluate a script.
@@ -856,6 +874,137 @@ fn a_browser_goes_from_a_dropped_file_to_the_report() {
     }
     let foreign = "performance.getEntriesByType('resource').filter(e => !e.name.startsWith(location.origin) && !e.name.startsWith('data:')).length";
     assert_eq!(browser.value(foreign), 0);
+}
+
+/// Each step of the first minutes ticks itself; all of it can be done with keys alone.
+#[test]
+fn the_sketch_and_the_constants_are_forms_of_the_text() {
+    let Some(mut browser) = Browser::start() else {
+        let _ =
+            writeln!(std::io::stderr(), "skipped: the_sketch_and_the_constants: there is no chromium here");
+        return;
+    };
+    let page = Served::new(None);
+    browser.visit(&page.url);
+    browser.until("document.readyState === 'complete' && !$('tour').hidden");
+    browser.value("$('example').focus()");
+    browser.key("Enter");
+    browser.until("$('columns').rows.length === 3");
+    browser.value("$('write').focus()");
+    browser.key("Enter");
+    browser.until("!$('gap').disabled");
+    let drafted = page.text("rig.ron");
+    let names = "[...document.querySelectorAll('#sketch [role=button]')].map(g => g.getAttribute('aria-label').split(' ')[0]).sort().join()";
+    assert_eq!(browser.value(names), "body,damper,friction,spring");
+    browser.picture("11-sketch");
+
+    // The damper goes, and comes back.
+    browser.value("document.querySelector('[data-key^=damper]').focus()");
+    browser.key("Enter");
+    browser.until("!$('part').hidden && document.activeElement === $('part-title')");
+    browser.picture("12-part");
+    browser.value("[...document.querySelectorAll('#part-actions button')].find(b => b.textContent === 'Remove').focus()");
+    browser.key("Enter");
+    browser.until("!text().includes('c*v') && !document.querySelector('[data-key^=damper]') && page.ok");
+    assert!(page.text("rig.ron").contains("\"(F - k*x)/m\", // EDIT: the physics that you are sure of"));
+    assert_eq!(browser.value("document.activeElement.id + $('part').hidden"), "backtrue");
+    browser.key("Enter");
+    browser.until("document.querySelector('[data-key^=damper]') && page.ok && page.saved === text()");
+    assert_eq!(page.text("rig.ron"), drafted);
+
+    // The answer comes by keys too.
+    browser.value("$('gap').focus()");
+    browser.key("Enter");
+    browser.until("!$('curve').hidden && document.querySelector('#curve svg').getAttribute('aria-label').includes('gap of the best model')");
+    browser.until("$('finding').textContent === 'Explained: Stribeck friction at v'");
+    browser.until("$('steps').querySelectorAll('.done').length === 5");
+
+    // A number is changed at its place; what the program refuses it says why.
+    browser.value("document.querySelector('#constants [data-at=\"form//m/value\"]').select()");
+    let typed = |browser: &mut Browser, words: &str| {
+        browser.call("Input.insertText", json!({ "text": words }));
+        browser.key("Tab");
+    };
+    typed(&mut browser, "1.6 kg");
+    browser.until("text().includes('\"m\": (value: 1.6, unit: \"kg\", within: (0.0247, 247.0)), // EDIT') && page.saved === text()");
+    assert_eq!(browser.value("document.activeElement.dataset.at"), "form//m/unit");
+    browser.until("document.querySelector('#sketch').textContent.includes('1.6 kg')");
+    typed(&mut browser, "N");
+    browser.until("$('refused').textContent !== ''");
+    assert!(page.text("rig.ron").contains("unit: \"kg\""));
+    browser.value("{ const e = document.querySelector('#constants [data-at=\"form//k/kind\"]'); e.value = 'find'; e.dispatchEvent(new Event('change')); 0 }");
+    browser.until("text().includes('\"k\": Find(start: 835.0') && $('refused').textContent === ''");
+
+    // A body gets a spring.
+    browser.value("document.querySelector('[data-key=body0]').focus()");
+    browser.key(" ");
+    browser.until("document.querySelectorAll('#part-new form').length === 2");
+    browser.value("document.querySelectorAll('#part-new form')[1].elements.value.focus()");
+    browser.call("Input.insertText", json!({ "text": "12" }));
+    browser.key("Enter");
+    browser.until("text().includes('(F - c*v - k*x - k2*x)/m') && text().includes('\"k2\": (12, \"N/m\")')");
+    browser.picture("13-body");
+    // While the text has a mistake the last sketch stays, dimmed.
+    browser.value("{ code.focus(); getSelection().selectAllChildren(code); getSelection().collapseToStart(); document.execCommand('insertText', false, '?'); 0 }");
+    browser.until("$('sketch').classList.contains('stale') && $('told').textContent.includes('mistake')");
+    assert_eq!(browser.value("$('back').disabled"), true, "what was typed is not undone");
+    browser.value("document.execCommand('undo')");
+    browser.until("!$('sketch').classList.contains('stale')");
+
+    // Another file of the same columns validates.
+    let rig = page.text("rig.csv");
+    page.json("POST", "api/data?name=again.csv", &(rig + "\n"));
+    page.json("POST", "api/data?name=other.csv", "t,y\n0,1\n1,2\n");
+    browser.value("folder().then(() => 0)");
+    let role = |file: &str, to: &str| {
+        format!(
+            "{{ const e = [...$('files').children].find(li => li.textContent.startsWith('{file}')).querySelector('select'); e.value = '{to}'; e.dispatchEvent(new Event('change')); 0 }}"
+        )
+    };
+    browser.value(&role("again.csv", "Validate"));
+    browser.until("text().includes('Csv(path: \"again.csv\"') && page.ok");
+    browser.value(&role("other.csv", "Fit"));
+    browser.until("$('refused').textContent.includes('time_s')");
+    assert!(!page.text("rig.ron").contains("other.csv"));
+
+    // Two results side by side.
+    page.json("POST", "api/spec?name=quick.ron", SPEC);
+    for k in 2..4 {
+        page.json("POST", "api/start?name=quick.ron&what=run", "");
+        let since = Instant::now();
+        while page.json("GET", "api/now", "")["job"]["running"] == true
+            || page.json("GET", "api/now", "")["job"]["job"] != k
+        {
+            assert!(since.elapsed() < PATIENCE, "it does not end");
+            std::thread::sleep(Duration::from_millis(50));
+        }
+    }
+    browser.value("folder().then(() => 0)");
+    browser.until("$('results').querySelectorAll('[type=checkbox]').length === 3");
+    browser
+        .value("[...$('results').querySelectorAll('[type=checkbox]')].slice(0, 2).forEach(e => e.click())");
+    browser.until("!$('compare').hidden && $('compared').textContent.includes('0.0 standard errors')");
+    for (width, mode) in [(1300, "light"), (1300, "dark"), (390, "light"), (390, "dark")] {
+        let device = json!({ "width": width, "height": 1000, "deviceScaleFactor": 1, "mobile": false });
+        browser.call("Emulation.setDeviceMetricsOverride", device);
+        browser.call(
+            "Emulation.setEmulatedMedia",
+            json!({ "features": [{ "name": "prefers-color-scheme", "value": mode }] }),
+        );
+        browser.picture(&format!("14-{width}-{mode}"));
+        assert_eq!(
+            browser.value("document.documentElement.scrollWidth <= innerWidth"),
+            true,
+            "{width} scrolls sideways"
+        );
+        if let Ok(axe) = std::env::var("PHISINDY_AXE") {
+            browser.value(
+                &std::fs::read_to_string(axe).expect("axe.js").replace("window.axe", "globalThis.axe"),
+            );
+            let told = browser.value("axe.run().then(r => JSON.stringify(r.violations.map(v => [v.id, v.impact, v.nodes.map(n => n.html.slice(0, 200))])))");
+            assert_eq!(told, "[]", "{width} {mode}");
+        }
+    }
 }
 
 /// Who stopped it, knows the page that was asked to; its report has the signal.

@@ -1,5 +1,6 @@
 //! What is wrong with a spec, by line.
 
+use crate::edit;
 use phisindy::files::{Purpose, Request, load_text};
 use phisindy_phys::{Diagnostic, Sources};
 use serde_json::{Value, json};
@@ -11,7 +12,10 @@ pub(crate) fn check(path: &Path, text: &str, request: &Request) -> Value {
     let (mut sources, mut found) = (Sources::default(), Vec::new());
     let loaded = load_text(path, text.to_owned(), request, Purpose::Check, &mut sources, &mut found);
     let told = said(&found, &sources, loaded.is_ok());
-    json!({ "ok": loaded.is_ok(), "open": loaded.is_ok_and(|l| l.case.is_open()), "diagnostics": told })
+    let mut all = edit::shown(text);
+    (all["ok"], all["diagnostics"]) = (json!(loaded.is_ok()), json!(told));
+    all["open"] = json!(loaded.is_ok_and(|l| l.case.is_open()));
+    all
 }
 
 /// Diagnostics as data. Beside a mistake warnings are mostly its consequences: they are left out.

@@ -77,6 +77,8 @@ struct State {
     fraction: f64,
     /// What is being done.
     activity: String,
+    /// The least gap so far, from each time on at which it fell (s).
+    curve: Vec<(f64, f64)>,
     begin: Option<Instant>,
     /// Seconds that it took.
     took: Option<f64>,
@@ -100,6 +102,13 @@ impl Now {
             progress.fraction,
             if progress.activity.is_empty() { "fitting" } else { progress.activity },
         );
+        if let Some(gap) = progress.gap {
+            let mut state = self.state();
+            let seconds = state.begin.map_or(0.0, |begin| begin.elapsed().as_secs_f64());
+            if state.curve.last().is_none_or(|(_, least)| gap < *least) {
+                state.curve.push((seconds, gap));
+            }
+        }
         if self.stopping() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 
@@ -183,7 +192,7 @@ impl Jobs {
         let seconds = state.took.or(state.begin.map(|begin| begin.elapsed().as_secs_f64()));
         json!({
             "job": state.job, "what": state.what, "spec": state.spec, "running": state.running,
-            "fraction": state.fraction, "activity": state.activity, "seconds": seconds, "ended": state.ended,
+            "fraction": state.fraction, "activity": state.activity, "seconds": seconds, "curve": state.curve, "ended": state.ended,
             "stopping": state.running && self.now.stopping(),
         })
     }

@@ -5,6 +5,7 @@
 //! browser --server (connections)--> request --guard (token, Host, Origin)--> routes
 //!     routes --+-- columns: a data file, its columns, a spec for it
 //!              +-- check:   a spec, its mistakes by line
+//!              +-- edit:    a spec as a form and a sketch, one edit of its text at a time (terms)
 //!              +-- jobs:    `run` and `gap` on a thread, their progress
 //!              +-- live:    a record that grows, judged as it does
 //!              +-- results: folders that are finished, their files, exports
@@ -18,6 +19,7 @@
 
 mod check;
 mod columns;
+mod edit;
 mod folder;
 mod guard;
 mod jobs;
@@ -28,6 +30,7 @@ mod results;
 mod routes;
 mod server;
 mod site;
+mod terms;
 
 use folder::Working;
 use guard::Guard;

@@ -3,7 +3,7 @@ const $ = id => document.getElementById(id);
 // The address ends with the token, so that every request beside it has it.
 const base = location.pathname.replace(/[^/]*$/, "");
 const at = (path, query) => base + path + (query ? "?" + Object.entries(query).map(([k, v]) => k + "=" + encodeURIComponent(v)).join("&") : "");
-const page = { data: null, look: null, spec: null, saved: null, version: "", conflict: false, saving: Promise.resolve(), checked: 0, job: null, asked: false, mine: null, languages: [], ok: false, open: false, running: false, gone: false };
+const page = { data: null, look: null, spec: null, saved: null, version: "", conflict: false, saving: Promise.resolve(), checked: 0, job: null, asked: false, mine: null, languages: [], ok: false, open: false, ticked: [], datas: [], files: null, back: [], editing: Promise.resolve(), part: null, sketch: null, constants: null, running: false, gone: false };
 const isSpec = name => /\.ron$/i.test(name);
 
 async function ask(path, query, body, headers) {
@@ -28,6 +28,9 @@ const short = x => x === null || x === undefined ? "" : (x === 0 ? "0" : (Math.a
 async function folder() {
   const state = await ask("api/state");
   page.languages = state.languages;
+  page.datas = state.data;
+  showFiles();
+  steps();
   $("where").textContent = state.folder;
   document.title = "phisindy - " + state.folder.split(/[\\/]/).pop();
   const list = (id, all, open) => $(id).replaceChildren(...(all.length ? all.map(open) : [made("li", "none yet", { className: "soft" })]));
@@ -38,7 +41,10 @@ async function folder() {
   list("results", state.results, result => {
     const li = made("li");
     const how = result.ended + (result.stopped ? ", stopped early" : "") + (result.laws.length ? ": " + result.laws.join(", ") : "");
-    li.append(link(result.name, showResult), made("div", result.title), made("div", how, { className: "soft" }), made("div", new Date(1000 * result.time).toLocaleString(), { className: "soft" }));
+    const tick = made("input", undefined, { type: "checkbox", value: result.name, checked: page.ticked.includes(result.name), ariaLabel: "compare " + result.name, onchange: guarded(() => ticked(tick)) });
+    const head = made("div", undefined, { className: "row" });
+    head.append(tick, link(result.name, showResult));
+    li.append(head, made("div", result.title), made("div", how, { className: "soft" }), made("div", new Date(1000 * result.time).toLocaleString(), { className: "soft" }));
     return li;
   });
   return state;
@@ -116,7 +122,7 @@ function curve(c) {
   if (!points.length) return document.createElement("div");
   const xs = points.map(p => p[0]), ys = points.map(p => p[1]);
   const [x0, x1] = [Math.min(...xs), Math.max(...xs)], [y0, y1] = [Math.min(...ys), Math.max(...ys)];
-  const X = x => left + (W - 2 * left) * (x - x0) / ((x1 - x0) || 1), Y = y => H - 22 - (H - 40) * (y - y0) / ((y1 - y0) || 1);
+  const X = x => left + (W - 2 * left) * (x - x0) / ((x1 - x0) || 1), Y = y => H - 22 - (H - 40) * (c.log ? Math.log(y / y0) / (Math.log(y1 / y0) || 1) : (y - y0) / ((y1 - y0) || 1));
   const { box, put } = drawing(W, H, `${c.heading} against time, from ${short(y0)} to ${short(y1)}`);
   put("text", { x: left, y: 12 }, `${c.heading}, from ${short(y0)} to ${short(y1)} ${c.unit || ""}`);
   put("polyline", { points: points.map(p => X(p[0]).toFixed(1) + "," + Y(p[1]).toFixed(1)).join(" "), fill: "none", stroke: "var(--blue)", "stroke-width": 1.3 });
@@ -145,6 +151,7 @@ async function openSpec(name) {
   const told = await ask("api/spec", { name });
   // What was typed meanwhile comes first.
   if (dirty()) return openSpec(name);
+  if (page.spec !== name) Object.assign(page, { back: [], part: null, sketch: null, constants: null });
   Object.assign(page, { spec: name, version: told.version });
   $("spec-name").textContent = name;
   code.hidden = false;
@@ -185,12 +192,163 @@ async function checked() {
   const told = await ask("api/check", { name: page.spec }, text());
   if (turn !== page.checked) return;
   page.ok = told.ok; page.open = told.open;
+  showModel(told);
   mark(told.diagnostics);
   const errors = told.diagnostics.filter(d => d.error).length, warnings = told.diagnostics.length - errors;
   const count = (n, word) => n + " " + word + (n === 1 ? "" : "s");
   $("told").textContent = errors ? count(errors, "mistake") : "no mistakes" + (warnings ? ", " + count(warnings, "warning") : "");
   $("told").className = errors ? "wrong" : "soft";
   buttons();
+}
+// The sketch and the constants are the text in another form: what is changed there is one edit of it, made by the program.
+function edit(wish, said) {
+  return page.editing = page.editing.then(async () => {
+    const before = text(), name = page.spec;
+    $("refused").textContent = $("edited").textContent = "";
+    try {
+      const after = (await ask("api/edit", { name }, JSON.stringify({ ...wish, text: before }))).text;
+      if (page.spec !== name || text() !== before) throw new Error("the text was changed meanwhile: try again");
+      if (after === before) return;
+      setText(after);
+      page.back.push([before, text()]);
+      $("edited").textContent = said;
+      await put();
+    } catch (why) { $("refused").textContent = why.message; showModel({}); }
+  });
+}
+async function put() {
+  clearTimeout(page.timer);
+  buttons();
+  steps();
+  await save();
+  await checked();
+}
+const isBack = () => page.back.length > 0 && page.back.at(-1)[1] === text();
+$("back").onclick = guarded(async () => {
+  if (!isBack()) return;
+  setText(page.back.pop()[0]);
+  $("refused").textContent = "";
+  $("edited").textContent = "went one step back";
+  await put();
+});
+function showModel(told) {
+  $("model").hidden = false;
+  if (told.constants) { page.constants = told.constants; page.files = told.files; }
+  if (!$("files").contains(document.activeElement) || told.files) showFiles();
+  if (told.sketch || told.ok) {
+    const same = page.sketch && told.sketch && page.sketch.svg === told.sketch.svg;
+    page.sketch = told.sketch;
+    if (!same) drawSketch();
+  }
+  if (told.diagnostics) $("sketch").classList.toggle("stale", !told.sketch);
+  $("sketch").hidden = $("sketch-hint").hidden = !page.sketch;
+  const all = page.constants || [];
+  $("constants-box").hidden = !all.length;
+  fill($("constants"), "form", all);
+  showPart();
+}
+// Which files of the folder the spec reads, and what for.
+function showFiles() {
+  const roles = name => [...new Set(page.files.filter(f => f.file === name).map(f => f.role))];
+  const all = page.files && page.files.length ? [...new Set([...page.files.map(f => f.file), ...page.datas])] : [];
+  if ($("files-box").hidden && all.length > 1) $("files-box").open = true;
+  $("files-box").hidden = !all.length;
+  $("files").replaceChildren(...all.map(name => {
+    const li = made("li"), now = roles(name), e = made("select", undefined, { ariaLabel: "what " + name + " is for" });
+    const words = [["none", "not used"], ["Fit", "to fit"], ["Validate", "to validate"], ...(now.length > 1 ? [["both", "a part to fit, a part to validate"]] : [])];
+    e.append(...words.map(([value, words]) => made("option", words, { value })));
+    e.value = now.length > 1 ? "both" : now[0] || "none";
+    e.onchange = () => edit({ what: "record", file: name, to: e.value }, name + ": changed in the text");
+    li.append(made("b", name), e);
+    return li;
+  }));
+}
+function drawSketch() {
+  const had = document.activeElement && document.activeElement.dataset.key;
+  $("sketch").hidden = false;
+  $("sketch").innerHTML = page.sketch ? page.sketch.svg : "";
+  for (const g of $("sketch").querySelectorAll("[data-part]")) {
+    const part = page.sketch.parts.find(p => p.key === g.dataset.part);
+    if (!part) continue;
+    const box = g.getBBox(), hit = document.createElementNS("http://www.w3.org/2000/svg", "rect");
+    const set = { class: "hit", role: "button", tabindex: 0, "aria-label": part.title, "aria-controls": "part", "data-key": part.key, x: box.x - 5, y: box.y - 4, width: box.width + 10, height: box.height + 8, rx: 4 };
+    for (const k in set) hit.setAttribute(k, set[k]);
+    g.append(hit);
+    for (const words of g.querySelectorAll("text")) words.setAttribute("aria-hidden", true);
+    const choose = () => { page.part = part.key; showPart(); $("part-title").focus(); };
+    hit.onclick = choose;
+    hit.onkeydown = event => { if (event.key === "Enter" || event.key === " ") { event.preventDefault(); choose(); } };
+    if (part.key === had) hit.focus();
+  }
+}
+function closePart() {
+  const g = $("sketch").querySelector("[data-key=\"" + page.part + "\"]");
+  page.part = null;
+  showPart();
+  if (g) g.focus();
+}
+$("part-close").onclick = closePart;
+$("part").onkeydown = event => { if (event.key === "Escape") closePart(); };
+function showPart() {
+  const part = page.part && page.sketch && page.sketch.parts.find(p => p.key === page.part);
+  const inside = $("part").contains(document.activeElement);
+  for (const g of $("sketch").querySelectorAll("[role=button]")) g.setAttribute("aria-expanded", Boolean(part) && g.dataset.key === part.key);
+  $("part").hidden = !part;
+  if (!part) { page.part = null; if (inside) $("back").focus(); return; }
+  const all = (page.constants || []).filter(c => part.constants.includes(c.name));
+  $("part-title").textContent = part.title;
+  fill($("part-numbers"), "part", all);
+  const body = Boolean(part.new), key = JSON.stringify([part.key, part.can, part.new]);
+  if ($("part").dataset.shown === key) return;
+  $("part").dataset.shown = key;
+  const words = { base: "Move to the base", ground: "Move to the ground", remove: "Remove", contact: "Add a contact here (dry friction)" };
+  const act = what => made("button", words[what], { type: "button", onclick: () => edit({ what, part: part.key }, words[what] + ": done") });
+  const note = all.length || body || part.key.includes("friction") ? [] : [made("span", "Its number stands in the text.", { className: "soft" })];
+  $("part-actions").replaceChildren(...part.can.filter(what => words[what]).map(act), ...note);
+  const adds = { mass: "Name the mass", damper: "Add a damper", spring: "Add a spring" };
+  $("part-new").replaceChildren(...part.can.filter(what => adds[what]).map(what => {
+    const form = made("form", undefined, { className: "new" }), own = part.new[what];
+    const field = (name, value, label) => made("input", undefined, { name, value, ariaLabel: label + ", " + adds[what], required: name !== "unit" });
+    const all = [field("name", own.name, "name"), field("value", "", "number"), field("unit", own.unit, "unit")];
+    all[1].placeholder = "number"; all[1].inputMode = "decimal";
+    form.append(...all.slice(0, 1), made("span", "="), ...all.slice(1), made("button", adds[what]));
+    form.onsubmit = event => { event.preventDefault(); edit({ what, part: part.key, name: all[0].value, value: all[1].value, unit: all[2].value }, adds[what] + ": done"); };
+    return form;
+  }));
+}
+// Rows that stay are not built again: somebody may be typing in one.
+function fill(list, place, all) {
+  const shape = JSON.stringify(all.map(c => [c.name, c.record, c.kind])), active = document.activeElement, had = active && active.dataset.at;
+  if (list.dataset.shape !== shape) {
+    list.dataset.shape = shape;
+    list.replaceChildren(...all.map(c => constantRow(c, place)));
+    const again = had && [...list.querySelectorAll("[data-at]")].find(e => e.dataset.at === had);
+    if (again) again.focus();
+  }
+  for (const [k, c] of all.entries()) for (const e of list.children[k].querySelectorAll("[data-field]")) {
+    const value = String(c[e.dataset.field] ?? "");
+    if (e.dataset.was !== value || e !== document.activeElement) e.value = e.dataset.was = value;
+  }
+}
+function constantRow(c, place) {
+  const li = made("li"), of = c.name + (c.record === null ? "" : " of record " + (c.record + 1));
+  const field = (field, label, e = made("input")) => {
+    Object.assign(e.dataset, { field, at: [place, c.record, c.name, field].join("/") });
+    e.ariaLabel = label + " of " + of;
+    e.onchange = () => edit({ what: "constant", name: c.name, record: c.record, field, to: e.value }, of + ": changed in the text");
+    return e;
+  };
+  li.append(made("b", of));
+  if (c.kind === "greatest") { li.append(made("span", "the greatest " + c.value + " of each record")); return li; }
+  const value = field("value", "value");
+  li.append(value);
+  if (c.kind === "formula") { value.className = "formula"; li.append(made("span", "follows from others")); return li; }
+  value.inputMode = "decimal";
+  const kind = made("select");
+  kind.append(...[["held", "is known"], ["within", "is known roughly"], ["find", "is to be found"]].map(([value, words]) => made("option", words, { value })));
+  li.append(field("unit", "unit"), field("kind", "how far", kind));
+  if (c.kind !== "held") li.append(made("span", "from"), field("low", "least value"), made("span", "to"), field("high", "greatest value"));
+  return li;
 }
 function mark(diagnostics) {
   const all = blocks(), lines = [], ranges = [], others = [];
@@ -237,6 +395,7 @@ $("write").onclick = guarded(async () => {
 
 // 3. The answer.
 function buttons() {
+  $("back").disabled = !isBack() || page.conflict;
   $("gap").disabled = !page.spec || !page.ok || page.running || page.conflict;
   $("run").disabled = $("gap").disabled || !page.open;
   $("next").disabled = $("gap").disabled;
@@ -263,6 +422,11 @@ function working(job) {
   const stopped = job.ended && job.ended.stopped;
   $("line").textContent = job.running ? took + ", " + (job.stopping ? "stopping; " : "") + job.activity : what + (stopped ? ": stopped after " : ": ") + took;
   if (job.running) $("answer-name").textContent = what;
+  $("curve").hidden = !job.running || !job.curve.length;
+  if (!$("curve").hidden) {
+    const now = job.curve.at(-1)[1], points = job.curve.flatMap(([t, gap], k) => k ? [[t, job.curve[k - 1][1]], [t, gap]] : [[t, gap]]);
+    $("curve").replaceChildren(curve({ heading: "gap of the best model so far, now " + short(now) + " times the noise", unit: "over the seconds below", log: true, points: [...points, [job.seconds, now]] }));
+  }
   if (job.ended && page.job !== job.job) {
     page.job = job.job;
     ended(job);
@@ -314,16 +478,40 @@ function bars(result) {
     return [made("span", words), bar, made("span", short(value))];
   });
 }
+const row = (tag, cells) => { const tr = made("tr"); tr.append(...cells.map(c => made(tag, c))); return tr; };
+const interval = ci => ci && ci.length === 2 ? "[" + short(ci[0]) + ", " + short(ci[1]) + "]" : "";
+// The numbers of a result: name, value, interval, unit. Those of a law stand among the parameters again.
+function listed(result) {
+  const all = new Map(), put = (name, value, ci95, unit) => all.has(name) || all.set(name, { name, value, ci95, unit: unit || "" });
+  const list = all => Array.isArray(all) ? all : [];
+  for (const step of list(result.steps)) for (const [name, p] of Object.entries(step.parameters)) put(name, p.value, p.ci95, p.unit);
+  for (const e of list(result.equations)) for (const t of list(e.terms)) put(t.candidate + " in " + e.state + "'", t.coefficient, t.ci95, t.unit);
+  for (const p of list(result.parameters)) put(p.name, p.value, p.ci95, p.unit);
+  return all;
+}
+async function ticked(tick) {
+  // The two that were ticked last, the older first.
+  page.ticked = [...page.ticked.filter(name => name !== tick.value), ...(tick.checked ? [tick.value] : [])].slice(-2);
+  for (const other of $("results").querySelectorAll("[type=checkbox]")) other.checked = page.ticked.includes(other.value);
+  $("compare").hidden = page.ticked.length < 2;
+  if (page.ticked.length < 2) return;
+  const newest = [...$("results").querySelectorAll("[type=checkbox]")].map(e => e.value);
+  const names = [...page.ticked].sort((a, b) => newest.indexOf(b) - newest.indexOf(a)), all = await Promise.all(names.map(name => ask("results/" + encodeURIComponent(name) + "/result.json")));
+  const [a, b] = all.map(listed), table = made("table");
+  const error = p => p.ci95 && p.ci95.length === 2 ? (p.ci95[1] - p.ci95[0]) / 3.92 : NaN;
+  table.append(row("th", ["number", ...names, "difference"]));
+  for (const name of new Set([...a.keys(), ...b.keys()])) {
+    const pair = [a.get(name), b.get(name)], said = p => p ? short(p.value) + " " + p.unit + " " + interval(p.ci95) : "none";
+    const both = pair[0] && pair[1] && pair[0].unit === pair[1].unit, far = both ? (pair[1].value - pair[0].value) / Math.hypot(error(pair[0]), error(pair[1])) : NaN;
+    table.append(row("td", [name, ...pair.map(said), isFinite(far) ? (far > 0 ? "+" : "") + far.toFixed(1) + " standard errors" : ""]));
+  }
+  $("compared").replaceChildren(table);
+  $("compare").scrollIntoView({ block: "nearest" });
+}
 function numbers(result, gap) {
-  const table = made("table"), row = (tag, cells) => { const tr = made("tr"); tr.append(...cells.map(c => made(tag, c))); return tr; };
-  const box = made("div", undefined, { className: "scroll" });
+  const table = made("table"), box = made("div", undefined, { className: "scroll", tabIndex: 0, role: "region", ariaLabel: "numbers of the result" });
   table.append(row("th", ["number", "value", "95 % interval", "unit"]));
-  const interval = ci => ci && ci.length === 2 ? "[" + short(ci[0]) + ", " + short(ci[1]) + "]" : "";
-  if (gap) for (const step of result.steps) for (const [name, p] of Object.entries(step.parameters)) table.append(row("td", [name, short(p.value), interval(p.ci95), p.unit || ""]));
-  else for (const e of result.equations) for (const t of e.terms) table.append(row("td", [t.candidate + " in " + e.state + "'", short(t.coefficient), interval(t.ci95), t.unit || ""]));
-  // The numbers of a law stand among the parameters again.
-  const seen = new Set(gap ? result.steps.flatMap(s => Object.keys(s.parameters)) : []);
-  for (const p of result.parameters) if (!seen.has(p.name)) table.append(row("td", [p.name, short(p.value), interval(p.ci95), p.unit || ""]));
+  for (const p of listed(result).values()) table.append(row("td", [p.name, short(p.value), interval(p.ci95), p.unit]));
   box.append(table);
   const doubts = [...(result.doubts || []), ...(result.warnings || [])];
   if (doubts.length) {
@@ -375,6 +563,22 @@ function forceCurve(force) {
   return box;
 }
 
+// Ten minutes with an example; a step ticks itself when it is done.
+const done = {
+  data: () => page.data !== null, spec: () => page.spec !== null, change: () => page.back.length > 0,
+  search: () => page.running || page.job > 0, answer: () => !$("answer").hidden,
+};
+function steps() {
+  for (const li of $("steps").children) {
+    if (done[li.dataset.step]()) li.classList.add("done");
+    li.querySelector("i").textContent = li.classList.contains("done") ? "\u2713 done" : "";
+  }
+}
+$("example").onclick = guarded(async () => { const told = await ask("api/example", {}, ""); await folder(); await openData(told.name); steps(); });
+const tour = on => { $("tour").hidden = !on; $("tour-open").setAttribute("aria-expanded", on); steps(); };
+$("tour-open").onclick = () => { tour($("tour").hidden); if (!$("tour").hidden) $("h-tour").focus(); };
+$("tour-close").onclick = () => { tour(false); $("tour-open").focus(); };
+
 // A file is dropped anywhere.
 const over = on => event => { event.preventDefault(); $("drop").classList.toggle("over", on); };
 addEventListener("dragover", over(true));
@@ -399,6 +603,7 @@ async function watch() {
     if (page.gone) tell("");
     page.gone = false;
     working(now.job);
+    steps();
     const elsewhere = now.version && now.version !== version && version === page.version && !page.conflict;
     if (elsewhere && !dirty()) await openSpec(page.spec);
   } catch (why) { page.gone = true; tell(why); }
@@ -407,6 +612,7 @@ async function watch() {
 }
 guarded(async () => {
   const state = await folder();
+  tour(!state.results.length && !state.specs.length && !state.first);
   if (state.first) await (isSpec(state.first) ? openSpec(state.first) : openData(state.first));
   await live();
   await watch();

@@ -6,7 +6,7 @@ use crate::live::Live;
 use crate::reply::Reply;
 use crate::request::Head;
 use crate::site::Site;
-use crate::{check, columns, results};
+use crate::{check, columns, edit, results};
 use phisindy::files::spec_text;
 use phisindy_import::{Answers, Rig};
 use serde_json::{Value, json};
@@ -34,7 +34,9 @@ type Handler = fn(&mut Asked<'_>) -> Result<Reply, String>;
 /// Method, path, the longest body, and what answers; a new request is a new row.
 const ROUTES: &[(&str, &str, u64, Handler)] = &[
     ("GET", "", 0, |_| Ok(Reply::page("page.html", include_str!("page.html")))),
-    ("GET", "page.css", 0, |_| Ok(Reply::page("page.css", include_str!("page.css")))),
+    ("GET", "page.css", 0, |_| {
+        Ok(Reply::page("page.css", &(phisindy_report::drawn_style() + include_str!("page.css"))))
+    }),
     ("GET", "page.js", 0, |_| Ok(Reply::page("page.js", include_str!("page.js")))),
     ("GET", "api/state", 0, state),
     ("GET", "api/now", 0, |asked| {
@@ -75,6 +77,28 @@ const ROUTES: &[(&str, &str, u64, Handler)] = &[
         let text = asked.text()?;
         let _turn = asked.turn();
         Ok(Reply::json(&check::check(&path, &text, &asked.site.request)))
+    }),
+    ("POST", "api/edit", 2 * LARGEST_SPEC, |asked| {
+        let wish: Value = serde_json::from_str(&asked.text()?).map_err(|why| why.to_string())?;
+        let _turn = asked.turn();
+        let text = edit::edit(&wish)?;
+        if wish["what"] == "record" {
+            // Whether a file has these columns its data tell.
+            let told = check::check(&asked.site.folder.file(&asked.spec()?)?, &text, &asked.site.request);
+            let mut all = told["diagnostics"].as_array().into_iter().flatten();
+            if let Some(d) = all.find(|d| d["error"] == true) {
+                return Err(d["message"].as_str().unwrap_or_default().to_owned());
+            }
+        }
+        Ok(Reply::json(&json!({ "text": text })))
+    }),
+    ("POST", "api/example", 0, |asked| {
+        let mut example: &[u8] = include_bytes!("../../../docs/tutorial/rig.csv");
+        match asked.site.folder.write("rig.csv", &mut example, LARGEST_DATA, Place::Beside) {
+            Ok((name, _)) => Ok(Reply::json(&json!({ "name": name }))),
+            Err(Unwritten::Because(why)) => Err(why),
+            Err(Unwritten::Changed) => Err("nothing is written".to_owned()),
+        }
     }),
     ("POST", "api/start", 0, |asked| {
         let what = asked.word("what")?;

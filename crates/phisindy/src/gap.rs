@@ -4,7 +4,7 @@ use crate::case::Case;
 use crate::error::Error;
 use crate::laws::Catalogue;
 use crate::loaded::Loaded;
-use crate::options::Options;
+use crate::options::{Options, Progress};
 use crate::record::Record;
 use phisindy_gap::{self as workflow, Activity, Standing, Status, Step};
 use phisindy_report::{Ending, Folder, Format, GapReport, Invocation, StopReason};
@@ -29,8 +29,17 @@ impl Loaded {
     pub fn gap(self, options: &Options<'_>) -> Result<Gap, Error> {
         self.comparable()?;
         let laws = options.laws.cloned().unwrap_or_else(Catalogue::built_in);
-        let mut observe =
-            |fraction: f64, activity: Activity| options.progress(fraction, &activity.to_string());
+        let mut observe = |fraction: f64, activity: Activity| {
+            let gap = match &activity {
+                Activity::Fitting { best: Some(best), .. } => Some(best.gap),
+                Activity::Screening(round)
+                | Activity::Comparing { round, .. }
+                | Activity::Fitting { round, .. } => Some(round.gap),
+                _ => None,
+            };
+            let gap = gap.filter(|gap| gap.is_finite() && *gap > 0.0);
+            options.tell(Progress { fraction, activity: &activity.to_string(), gap })
+        };
         let (case, records) = (self.case.clone(), self.records.clone());
         let result = workflow::gap(&self.text, case, records, laws.laws(), &mut observe)?;
         Ok(Gap { result, loaded: self, laws })

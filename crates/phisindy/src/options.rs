@@ -37,12 +37,19 @@ pub struct Progress<'a> {
     pub fraction: f64,
     /// What is being done; may be empty.
     pub activity: &'a str,
+    /// The gap of the best model so far, where the work is a search that knows one.
+    pub gap: Option<f64>,
 }
 
 impl Options<'_> {
     /// Tells the observer, if there is one.
     pub(crate) fn progress(&self, fraction: f64, activity: &str) -> ControlFlow<()> {
-        self.observe.map_or(ControlFlow::Continue(()), |observe| observe(Progress { fraction, activity }))
+        self.tell(Progress { fraction, activity, gap: None })
+    }
+
+    /// Tells all of it to the observer, if there is one.
+    pub(crate) fn tell(&self, progress: Progress<'_>) -> ControlFlow<()> {
+        self.observe.map_or(ControlFlow::Continue(()), |observe| observe(progress))
     }
 }
 

@@ -24,6 +24,7 @@ mod probe;
 mod read;
 mod row;
 mod scheme;
+mod shown;
 mod symbol;
 mod terms;
 #[cfg(test)]
@@ -41,10 +42,16 @@ use phisindy_phys::spec::Spec;
 use phisindy_phys::{Case, System};
 use read::Reading;
 use scheme::{Known, Scheme};
+pub use shown::{Drawn, DrawnBody, DrawnEnd, DrawnPart, drawn};
 use std::collections::HashMap;
 
 /// The style sheet of sketches, beside that of charts.
 pub(crate) const STYLE: &str = include_str!("sketch/sketch.css");
+
+/// The style sheet of a page with the sketch of [`drawn`].
+pub fn drawn_style() -> String {
+    format!("{}{STYLE}", crate::chart::STYLE)
+}
 
 /// The sketch of a case as it is, as lines of a terminal; none where there is nothing to draw.
 pub fn sketch(spec: &Spec, case: &Case, look: Look) -> Vec<String> {

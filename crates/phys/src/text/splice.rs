@@ -59,6 +59,69 @@ pub fn set_at(text: &str, path: &[&str], value: &str) -> Result<String, SetError
     set(text, &path.iter().map(part).collect::<Vec<_>>().join("."), value)
 }
 
+/// The text with a value behind those of the list at a path, which is made where there is none.
+///
+/// # Errors
+/// As of [`set`].
+///
+/// ```
+/// use phisindy_phys::splice::push_at;
+/// assert_eq!(push_at("(contacts: [\"v\"])", &["contacts"], "\"w\"").unwrap(), "(contacts: [\"v\", \"w\"])");
+/// assert_eq!(push_at("()", &["contacts"], "\"w\"").unwrap(), "(contacts: [\"w\"])");
+/// ```
+pub fn push_at(text: &str, path: &[&str], value: &str) -> Result<String, SetError> {
+    match found(text, path)? {
+        Some((_, node)) if node.shape == Shape::List => Ok(insert::put(text, &node, value)),
+        _ => set_at(text, path, &format!("[{value}]")),
+    }
+}
+
+/// The text without the entry of a list or a map at a path, and without its comma; comments stay.
+///
+/// # Errors
+/// The text is not RON, or there is no such entry.
+///
+/// ```
+/// use phisindy_phys::splice::remove_at;
+/// let text = "(known: {\n  \"x\": \"v\", // speed\n  \"v\": \"-x\",\n}, contacts: [\"v\", \"w\"])";
+/// let text = remove_at(&remove_at(text, &["known", "v"]).unwrap(), &["contacts", "1"]).unwrap();
+/// assert_eq!(text, "(known: {\n  \"x\": \"v\", // speed\n}, contacts: [\"v\"])");
+/// ```
+pub fn remove_at(text: &str, path: &[&str]) -> Result<String, SetError> {
+    let missing = || SetError::new(&path.join("."), format!("there is no `{}`", path.join(".")));
+    let (parent, node) = found(text, path)?.ok_or_else(missing)?;
+    let k = parent.entries.iter().position(|e| e.value.span == node.span).ok_or_else(missing)?;
+    let start = parent.entries[k].key.as_ref().map_or(node.span.start, |key| key.span.start);
+    let (end, close) = (node.span.end, parent.span.end - 1);
+    let blank = |from: usize, to: usize| text[from..to].trim().is_empty();
+    let comma = insert::comma_after(text, end, close).filter(|comma| blank(end, comma - 1));
+    let end = comma.unwrap_or(end);
+    let line = text[..start].rfind('\n').map(|at| at + 1).filter(|at| blank(*at, start));
+    let next = text[end..].find('\n').map(|at| end + at + 1).filter(|at| blank(end, *at));
+    // The comma before the last one goes with it.
+    let before = k.checked_sub(1).map(|k| parent.entries[k].value.span.end);
+    let before = before.filter(|_| comma.is_none()).and_then(|at| insert::comma_after(text, at, close));
+    let (from, to) = match (line, next, before) {
+        (Some(line), Some(next), _) => (line, next),
+        (_, _, Some(before)) if blank(before, start) => (before - 1, end),
+        _ => (start, end + text[end..].len() - text[end..].trim_start_matches(' ').len()),
+    };
+    Ok(format!("{}{}", &text[..from], &text[to..]))
+}
+
+/// The node at a path, below its parent.
+fn found(text: &str, path: &[&str]) -> Result<Option<(Node, Node)>, SetError> {
+    let whole = &path.join(".");
+    let root = parse(text).map_err(|m| SetError::new(whole, m.message))?;
+    let mut pair = (&root, &root);
+    for part in path {
+        let parent = through(text, pair.1, part);
+        let Some(node) = child(text, parent, part) else { return Ok(None) };
+        pair = (parent, node);
+    }
+    Ok(Some((pair.0.clone(), pair.1.clone())))
+}
+
 /// Walks down as far as the path exists, then replaces or creates.
 fn place(text: &str, root: &Node, parts: &[String], value: &str) -> Result<String, SetError> {
     let (mut node, mut field) = (root, "");

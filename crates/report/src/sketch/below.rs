@@ -79,11 +79,12 @@ impl<'s> Below<'s> {
             false => top,
         };
         for part in &self.parts {
-            let wide = self.wide(part);
+            let (wide, since) = (self.wide(part), canvas.drawn.len());
             let end = match part.kind {
                 Kind::Friction if !self.turns => contact(canvas, part, bases, (left + 0.5 * wide, top)),
                 _ => support(canvas, part, bases, (left + HALF, rim(left + HALF), top)),
             };
+            canvas.group(since, part.key());
             left += wide + APART;
             bottom = bottom.max(end);
         }

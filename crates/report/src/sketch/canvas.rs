@@ -77,6 +77,12 @@ impl Canvas {
         }
     }
 
+    /// Puts what was drawn since then into one group with a key.
+    pub(super) fn group(&mut self, since: usize, key: String) {
+        let all = self.drawn.split_off(since);
+        self.drawn.push(element("g").with("data-part", key).all(all));
+    }
+
     /// A part with its rods.
     pub(super) fn part(&mut self, kind: Kind, known: Known, along: Along) {
         let place = |(a, b): (f64, f64)| match along {

@@ -179,7 +179,7 @@ fn mechanism(scheme: &Scheme, canvas: &mut Canvas) -> f64 {
     // Bodies.
     for c in &columns {
         let of = &scheme.bodies[c.body];
-        let left = c.middle - 0.5 * c.wide;
+        let (left, since) = (c.middle - 0.5 * c.wide, canvas.drawn.len());
         canvas.body(&of.name, of.turns, (left, top, c.wide, high));
         let two = !of.inertia.is_empty();
         let y = top + 0.5 * high;
@@ -190,6 +190,7 @@ fn mechanism(scheme: &Scheme, canvas: &mut Canvas) -> f64 {
         for (text, style, by) in lines {
             canvas.words(&text, (c.middle, y + by), style);
         }
+        canvas.group(since, End::Body(c.body).key());
         if !c.sensors.is_empty() {
             let known = if of.lit.is_empty() { Known::Stated } else { Known::Found };
             let x = left + if of.turns { IN_DISC * c.wide } else { 14.0 };
@@ -253,6 +254,7 @@ fn mechanism(scheme: &Scheme, canvas: &mut Canvas) -> f64 {
             first_port(c) - PORT * (c.above.len() + before) as f64
         };
         let (from, to) = (port(*a), port(*b));
+        let since = canvas.drawn.len();
         let line = y + LINE * part.words.len() as f64 + HALF;
         // Stems of the parts above go through: the symbol stands in the widest room between them.
         let mut cuts: Vec<f64> = vec![from, to];
@@ -268,6 +270,7 @@ fn mechanism(scheme: &Scheme, canvas: &mut Canvas) -> f64 {
         canvas.rod((from, line), (left, line), part.known);
         canvas.rod((right, line), (to, line), part.known);
         canvas.part(part.kind, part.known, Along::Right(left, line, right - left));
+        canvas.group(since, part.key());
         y += lane(part);
     }
     // Contacts and supports below.

@@ -27,7 +27,7 @@ pub(super) const DAMPING: Units = ["N*s/m", "N*m*s/rad", "1/s"];
 pub(super) const INERTIA: Units = ["kg", "kg*m^2", ""];
 
 /// The unit of a number of a body; none where the spec speaks of no units.
-fn unit(system: &System, body: &Moving, units: Units) -> String {
+pub(super) fn unit(system: &System, body: &Moving, units: Units) -> String {
     let own = &system.states[body.speed].unit;
     let bare = matches!(own.as_str(), "" | "1");
     let lengths = own.starts_with('m') && !own.starts_with("mol");

@@ -75,11 +75,13 @@ pub(super) fn draw(
         }
         let first = y;
         for part in &group {
+            let since = canvas.drawn.len();
             let line = y + LINE * part.words.len() as f64 + HALF;
             let (from, to) = (left(line), right(line));
             let style = format!("label middle {}", class(part.known));
             canvas.lines(&part.words, (middle, y), &style);
             canvas.part(part.kind, part.known, Along::Right(from, line, to - from));
+            canvas.group(since, part.key());
             y += high(part);
         }
         let (edge, long) = (if wall < 0 { left(first) } else { right(first) }, y - APART - first);

@@ -89,6 +89,27 @@ pub(crate) struct Part {
     /// Lines beside it: its name and its number.
     pub(crate) words: Vec<String>,
     pub(crate) known: Known,
+    /// The constants of its force, where the spec states it.
+    pub(crate) constants: Vec<String>,
+}
+
+impl Part {
+    /// Tells it from the other parts of its scheme.
+    pub(crate) fn key(&self) -> String {
+        let (a, b) = self.ends;
+        let asked = if self.known == Known::Sought { "asked-" } else { "" };
+        format!("{asked}{}-{}-{}", self.kind.word().replace(' ', "-"), a.key(), b.key())
+    }
+}
+
+impl End {
+    pub(crate) fn key(self) -> String {
+        match self {
+            End::Ground => "ground".to_owned(),
+            End::Base(k) => format!("base{k}"),
+            End::Body(k) => format!("body{k}"),
+        }
+    }
 }
 
 /// A force from outside.
@@ -126,7 +147,17 @@ impl Scheme {
                 let new: Vec<String> = words.into_iter().filter(|w| !part.words.contains(w)).collect();
                 part.words.extend(new);
             }
-            None => self.elements.push(Part { kind, ends, words, known }),
+            None => self.elements.push(Part { kind, ends, words, known, constants: vec![] }),
+        }
+    }
+
+    /// Says of which constants the force of a part is.
+    pub(crate) fn uses(&mut self, kind: Kind, ends: (End, End), constants: Vec<String>) {
+        let ends = if ends.0 <= ends.1 { ends } else { (ends.1, ends.0) };
+        let of = |p: &&mut Part| p.kind == kind && p.ends == ends && p.known == Known::Stated;
+        if let Some(part) = self.elements.iter_mut().find(of) {
+            let new: Vec<String> = constants.into_iter().filter(|c| !part.constants.contains(c)).collect();
+            part.constants.extend(new);
         }
     }
 

@@ -16,9 +16,9 @@ const GLYPHS: [(Kind, &str); 8] = [
 ];
 
 /// A line of a sketch: its picture, its words, and how far it is known.
-struct Line {
+pub(super) struct Line {
     glyph: String,
-    words: String,
+    pub(super) words: String,
     known: Known,
     /// Whether it is of a body or a state, below which others stand.
     head: bool,
@@ -98,7 +98,7 @@ fn all(scheme: &Scheme) -> Vec<Line> {
     out
 }
 
-fn of_part(scheme: &Scheme, part: &Part) -> Line {
+pub(super) fn of_part(scheme: &Scheme, part: &Part) -> Line {
     let to = match part.ends {
         (End::Ground, _) if matches!(part.kind, Kind::Weight) => String::new(),
         (End::Ground, _) => " to the ground".to_owned(),

@@ -42,13 +42,17 @@ pub(super) fn insert(
     parts: &[String],
     value: &str,
 ) -> Result<String, SetError> {
-    let map = node.shape == Shape::Map;
-    let entry = entry(map, field, parts, value)?;
+    let entry = entry(node.shape == Shape::Map, field, parts, value)?;
+    Ok(put(text, node, &entry))
+}
+
+/// The text with an entry behind those of `node`.
+pub(super) fn put(text: &str, node: &Node, entry: &str) -> String {
     let Some(last) = node.entries.last() else {
         // Brackets without entries may still hold a comment, which stays behind the new entry.
-        let space = if map { " " } else { "" };
+        let space = if node.shape == Shape::Map { " " } else { "" };
         let (head, tail) = text.split_at(node.inside);
-        return Ok(format!("{head}{space}{entry}{space}{tail}"));
+        return format!("{head}{space}{entry}{space}{tail}");
     };
     let (end, close) = (last.value.span.end, node.span.end - 1);
     let comma = comma_after(text, end, close);
@@ -63,17 +67,17 @@ pub(super) fn insert(
         // behind it.
         (Some(indent), Some(line)) => {
             let missing = if comma.is_some() { "" } else { "," };
-            Ok(format!("{}{missing}{}{indent}{entry},\n{}", &text[..end], &text[end..line], &text[line..]))
+            format!("{}{missing}{}{indent}{entry},\n{}", &text[..end], &text[end..line], &text[line..])
         }
         _ => {
             let (at, joint) = comma.map_or((end, ", "), |comma| (comma, " "));
-            Ok(format!("{}{joint}{entry}{}", &text[..at], &text[at..]))
+            format!("{}{joint}{entry}{}", &text[..at], &text[at..])
         }
     }
 }
 
 /// One past the comma that follows an entry, if one does.
-fn comma_after(text: &str, end: usize, close: usize) -> Option<usize> {
+pub(super) fn comma_after(text: &str, end: usize, close: usize) -> Option<usize> {
     // Only white space, comments and one comma can stand here. Comments may hold commas too.
     let mut at = end;
     loop {
