@@ -111,6 +111,7 @@ fn elimination(fit: &Fit<'_>) -> Vec<(usize, f64)> {
 }
 
 /// A change of the terms: what they are then, the cost that is promised, and where new ones begin.
+#[derive(Debug)]
 struct Change {
     terms: Vec<usize>,
     cost: f64,

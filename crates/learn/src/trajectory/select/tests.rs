@@ -99,10 +99,10 @@ fn what_changes_places_costs_what_it_promises() {
     let all: Vec<usize> = (0..6).collect();
     let now = fitted_terms(&case, &records, SIGMA, &[0, 1, 4]);
     let found = swaps(&context(&case, &records), &now, &all);
-    let mut places: Vec<Vec<usize>> = found.iter().map(|(terms, _)| terms.clone()).collect();
+    let mut places: Vec<Vec<usize>> = found.iter().map(|swap| swap.terms.clone()).collect();
     places.sort();
     assert_eq!(places, [vec![0, 1, 5], vec![0, 2, 4], vec![0, 3, 4], vec![1, 2, 4], vec![1, 3, 4]]);
-    for (terms, promised) in found {
+    for Change { terms, cost: promised, .. } in found {
         assert_relative_eq!(promised, cost(&case, &records, &terms), max_relative = 1e-4, epsilon = 1e-3);
     }
     // The nearest of them is no rival: the data tell.
@@ -128,7 +128,7 @@ fn what_may_not_have_its_coefficient_is_not_offered() {
         let found = scores(&context(&case, &records), &now, &all);
         assert_eq!(found.iter().any(|(terms, _)| *terms == [1, 2]), offered);
         let placed = swaps(&context(&case, &records), &now, &all);
-        assert_eq!(placed.iter().any(|(terms, _)| *terms == [1, 4]), offered, "{placed:?}");
+        assert_eq!(placed.iter().any(|swap| swap.terms == [1, 4]), offered, "{placed:?}");
     }
 }
 
