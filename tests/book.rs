@@ -130,7 +130,7 @@ fn every_page_is_in_the_table_of_contents() {
 /// The first page is for reading, not for reference.
 #[test]
 fn the_readme_is_short() {
-    assert!(read(Path::new("README.md")).lines().count() <= 150);
+    assert!(read(Path::new("README.md")).lines().count() <= 120);
 }
 
 #[test]

@@ -302,7 +302,7 @@ fn a_model_tells_how_far_it_predicts() {
     near(&last["seconds"], 2.5, 0.01);
     assert!(x.iter().all(|h| number(&h["nrmse"]) < 0.02), "{x:?}");
     assert!(number(&last["baseline"]) > 5.0 * number(&last["nrmse"]), "{last}");
-    assert!(text.contains("predicts ") && text.contains("a linear model to"), "{text}");
+    assert!(text.contains("the model misses ") && text.contains("; a linear model by"), "{text}");
 }
 
 #[test]

@@ -517,7 +517,7 @@ fn a_motion_that_hangs_on_its_numbers_is_judged_within_their_errors() {
 fn chain(truth: &str, drive: f64, noise: f64) -> String {
     let record = |x: f64, seed: u32, role: &str| {
         format!(
-            "Synthetic(truth: {{ {truth} }}, start: {{ \"x1\": {x:?}, \"x2\": 0.0, \"v1\": 0.0, \"v2\": 0.0 }}, duration: 60.0, step: 0.05, noise: Additive({noise:?}), seed: {seed}, role: {role})"
+            "Synthetic(truth: {{ {truth} }}, start: {{ \"x1\": {x:?}, \"x2\": 0.0, \"v1\": 0.0, \"v2\": 0.0 }}, duration: 30.0, step: 0.05, noise: Additive({noise:?}), seed: {seed}, role: {role})"
         )
     };
     format!(
@@ -535,8 +535,7 @@ fn chain(truth: &str, drive: f64, noise: f64) -> String {
 #[test]
 fn effects_move_to_where_they_belong() {
     let truth = "\"v1\": \"-0.5*sgn(v1) - 0.3*sgn(v1-v2)\", \"v2\": \"0.3*sgn(v1-v2)/1.5\"";
-    let half = chain(truth, 0.9, 0.03).replace("duration: 60.0", "duration: 30.0");
-    let (found, _) = gap(&folder("gap-moved"), &half);
+    let (found, _) = gap(&folder("gap-moved"), &chain(truth, 0.9, 0.03));
     let mut names = named(&found);
     names.sort();
     assert_eq!(names, [effect("coulomb", "v1"), effect("coulomb", "v1-v2")], "{found}");
