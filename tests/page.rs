@@ -32,7 +32,7 @@ struct Served {
     folder: TempDir,
     url: String,
     stop: Arc<AtomicBool>,
-    thread: Option<JoinHandle<()>>,
+    thread: Option<JoinHandle<Option<String>>>,
 }
 
 impl Served {
@@ -118,7 +118,7 @@ impl Served {
 
     fn end(&mut self) {
         self.stop.store(true, Ordering::SeqCst);
-        self.thread.take().into_iter().for_each(|t| t.join().expect("no panic"));
+        self.thread.take().into_iter().for_each(|t| drop(t.join().expect("no panic")));
     }
 }
 
@@ -1223,6 +1223,33 @@ fn a_socket_and_a_file_are_followed_too() {
     followed(&file.path().display().to_string(), None, &lines, || sent(&lines, &mut grows));
 }
 
+/// A board that is started anew sends its heading again and counts from zero: its lines are a record of their own.
+#[test]
+fn a_file_that_begins_anew_is_another_record() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (source, lines) = (folder.path().join("log.csv"), board(1));
+    std::fs::write(&source, lines[..500].concat()).expect("written");
+    let page = Page::open(folder.path(), None, 0, Request::default()).expect("a page");
+    let page = page.follow(source.display().to_string().parse().expect("a source")).expect("it is read");
+    let served = Served::by(folder, page);
+    let until = |name: &str, count: usize| {
+        let since = Instant::now();
+        loop {
+            let now = served.json("GET", "api/live", "");
+            if now["name"] == name && now["lines"] == count {
+                break;
+            }
+            assert!(since.elapsed() < PATIENCE, "{now}");
+            std::thread::sleep(Duration::from_millis(20));
+        }
+    };
+    until("live.csv", 500);
+    std::fs::write(&source, lines[..300].concat()).expect("written");
+    until("live-2.csv", 300);
+    assert_eq!(served.text("live.csv"), lines[..500].concat());
+    assert_eq!(served.text("live-2.csv"), lines[..300].concat());
+}
+
 #[test]
 fn a_source_that_is_not_there_says_so() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -1231,7 +1258,18 @@ fn a_source_that_is_not_there_says_so() {
         let why = page.follow(source.parse().expect("a source")).map(|_| ()).expect_err("nothing is there");
         assert!(why.to_string().contains(source), "{why}");
     }
-    for wrong in ["serial:", "serial:/dev/x@fast", "tcp://host", "tcp://host:port"] {
+    // A spec that reads no file cannot judge: no other model is taken in its place.
+    for (text, word) in
+        [("( constants: {", "rig.ron"), (&*RIG.replace("data:", "title: \"none\", //"), "rig.ron")]
+    {
+        std::fs::write(folder.path().join("rig.ron"), text).expect("written");
+        std::fs::write(folder.path().join("grows.csv"), "").expect("written");
+        let page = Page::open(folder.path(), Some("rig.ron"), 0, Request::default()).expect("a page");
+        let source = folder.path().join("grows.csv").display().to_string().parse().expect("a source");
+        let why = page.follow(source).map(|_| ()).expect_err("no model");
+        assert!(why.to_string().contains(word), "{why}");
+    }
+    for wrong in ["serial:", "serial:/dev/x@fast", "tcp://host", "tcp://host:port", "udp://host:1"] {
         assert!(wrong.parse::<Source>().is_err(), "{wrong}");
     }
 }

@@ -23,9 +23,13 @@ use crate::result::{
 use crate::search::{Round, SEARCHED, Search, Searched, placed, refitted};
 use crate::sensor_linearity::sensor_nonlinearity;
 use crate::spec_mistakes::spec_mistake;
-use phisindy_learn::{Effort, FoundParameter, at_bounds, free_run_horizons, sensitive_starts};
-use phisindy_phys::spec::Role;
+use phisindy_learn::{
+    Effort, FoundParameter, LearnOptions, at_bounds, free_run_horizons, identify, sensitive_starts,
+};
+use phisindy_phys::Case;
+use phisindy_phys::spec::{Method, Role};
 use phisindy_signal::Interpolation;
+use std::ops::ControlFlow;
 
 /// The state after the search: the verdict, other explanations and the result follow from it.
 pub(crate) struct Ending<'s, 'a> {
@@ -101,6 +105,9 @@ impl<'s, 'a> Ending<'s, 'a> {
         let (status, determined) = self.doubts(status);
         let (status, alternative) = self.other_explanations(status, repeats, determined)?;
         let determined = self.doubts_of_the_rest(status, determined);
+        if matches!(alternative, Some(Alternative::InputNoise(_))) && !self.interrupted() {
+            self.numbers_beside_a_force();
+        }
         let found = |a: &Applied| a.effect.entry.id == DISCOVERED;
         let status = match status {
             Status::Explained if self.last.model.effects.iter().any(found) => Status::Described,
@@ -185,6 +192,34 @@ impl<'s, 'a> Ending<'s, 'a> {
             simulated: Simulated::of(last),
             warnings,
         })
+    }
+
+    /// Takes the numbers of the final model from the fit that leaves a random force on each body. The noise of an input
+    /// is one: a free run sums it up and bends the numbers to it, by more than its intervals say.
+    fn numbers_beside_a_force(&mut self) {
+        let TrialModel { system, records, given, .. } = &self.last.model;
+        let case = Case {
+            system: system.clone(),
+            records: given.plans.clone(),
+            learn: given.spec.learn.clone(),
+            laws: vec![],
+            searches: vec![],
+            requirements: vec![],
+            without_laws: None,
+            with_constants: None,
+        };
+        let observer = &mut self.search.observer;
+        let mut observe =
+            |_: f64| if observer.stopped() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
+        let options = LearnOptions { method: Some(Method::Trajectory) };
+        let Ok(found) = identify(&case, records, &options, &mut observe) else { return };
+        for p in &mut self.last.cal.parameters {
+            let of = |q: &&FoundParameter| q.id == p.id && q.estimate.value.is_finite();
+            if let Some(found) = found.parameters.iter().find(of) {
+                p.estimate = found.estimate.clone();
+            }
+        }
+        self.last.model = self.last.settled();
     }
 
     /// Whether the work is to end.

@@ -42,7 +42,6 @@ use phisindy_report::StopReason;
 use phisindy_report::spec_text::named_data;
 use server::Server;
 use site::Site;
-use std::fs::File;
 use std::io;
 use std::net::{Ipv4Addr, SocketAddr, TcpListener};
 use std::path::Path;
@@ -59,7 +58,7 @@ pub struct Page {
     listener: TcpListener,
     site: Arc<Site>,
     /// The lines of a record that grows, and its file, until somebody reads them.
-    growing: Mutex<Option<(live::Stream, File)>>,
+    growing: Mutex<Option<(live::Stream, live::Growing)>>,
 }
 
 impl Page {
@@ -103,10 +102,10 @@ impl Page {
     pub fn follow(mut self, source: Source) -> io::Result<Page> {
         let site =
             Arc::get_mut(&mut self.site).ok_or_else(|| io::Error::other("the page is served already"))?;
-        let (live, stream, file) = Live::open(&site.folder, source, site.first.as_deref())?;
-        site.first = live.first().map(str::to_owned).or(site.first.take());
+        let (live, stream, to) = Live::open(&site.folder, source, site.first.as_deref())?;
+        site.first = live.first().or(site.first.take());
         site.live = Some(live);
-        self.growing = Mutex::new(Some((stream, file)));
+        self.growing = Mutex::new(Some((stream, to)));
         Ok(self)
     }
 
@@ -122,16 +121,22 @@ impl Page {
     }
 
     /// Answers requests until `stop` says why to end. Work that is under way is then asked to end, and keeps
-    /// what is finished; the page is answered until it has.
-    pub fn serve(&self, stop: &dyn Fn() -> Option<StopReason>) {
+    /// what is finished; the page is answered until it has. Returns what of a growing record was lost, in words.
+    pub fn serve(&self, stop: &dyn Fn() -> Option<StopReason>) -> Option<String> {
         let server = Server::new(Arc::clone(&self.site));
         std::thread::scope(|threads| {
             threads.spawn(|| server.accept(&self.listener));
             let growing = self.growing.lock().unwrap_or_else(PoisonError::into_inner).take();
-            if let (Some(live), Some((stream, file))) = (&self.site.live, growing) {
-                threads.spawn(|| live.record(stream, file));
-                threads.spawn(|| live.judge(&self.site.folder, &self.site.request));
-            }
+            let recorder = growing.map(|(stream, to)| {
+                // Nobody waits for a judgement that is under way.
+                let site = Arc::clone(&self.site);
+                std::thread::spawn(move || {
+                    if let Some(live) = &site.live {
+                        live.judge(&site.folder, &site.request);
+                    }
+                });
+                threads.spawn(|| self.site.live.as_ref()?.record(&self.site.folder, stream, to))
+            });
             let why = loop {
                 match stop() {
                     Some(why) => break why,
@@ -139,7 +144,7 @@ impl Page {
                 }
             };
             self.site.jobs.close(why);
-            self.site.live.iter().for_each(Live::stop);
+            self.site.live.iter().for_each(Live::close);
             let since = Instant::now();
             while self.site.jobs.busy() && since.elapsed() < GRACE {
                 std::thread::sleep(TICK);
@@ -147,7 +152,8 @@ impl Page {
             server.close(&self.listener);
             // An upload that is still under way has nobody left to take it.
             self.site.folder.remove_own_parts();
-        });
+            recorder.and_then(|recorder| recorder.join().unwrap_or(None))
+        })
     }
 
     /// The answer to the bytes of one request, as a connection would get it; empty if these are none.

@@ -530,7 +530,7 @@ async function live() {
     if (!now) return;
     $("live").hidden = false;
     $("live-name").textContent = now.source + " into " + now.name;
-    $("live-line").textContent = now.lines + " lines" + (now.ended ? ", ended" : " in " + now.seconds.toFixed(0) + " s") + (now.trouble ? ": " + now.trouble : "");
+    $("live-line").textContent = now.lines + " lines" + (now.ended ? ", ended" : " in " + now.seconds.toFixed(0) + " s") + (now.judged && now.judged.left_out ? ", " + now.judged.left_out + " of them no rows, left out of the judgement" : "") + (now.trouble ? ": " + now.trouble : "");
     $("live-line").classList.toggle("wrong", !!now.trouble);
     $("live-stop").hidden = now.ended;
     if (now.judged) {

@@ -294,6 +294,9 @@ impl Fit {
                 .map(|s| if (s.speed < 0.0) == (j % 2 == 1) { hat(nodes, j / 2, s.speed.abs()) } else { 0.0 })
                 .collect()
         };
+        let seen: Vec<f64> = (0..own)
+            .map(|j| column(j).iter().filter(|w| **w <= 1.0).map(|w| w.max(0.0).powi(2)).sum())
+            .collect();
         let mut left: Vec<f64> = samples.iter().map(|s| s.force).collect();
         // Gram and Schmidt: what its predecessors tell of a column is taken out, and one of which nothing is left is
         // left out.
@@ -344,6 +347,8 @@ impl Fit {
         for (((j, _), value), square) in kept.iter().zip(solved(size)).zip(squares) {
             match j.checked_sub(own) {
                 Some(p) => fit.constants[p] = value,
+                // Without a sample about it a node only leads the line to the next one.
+                None if seen[*j] < 0.25 => {}
                 None => fit.nodes[*j] = (value, REACH * square.sqrt()),
             }
         }

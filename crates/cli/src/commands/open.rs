@@ -2,7 +2,7 @@
 
 use crate::args::{OpenArgs, Options};
 use crate::interrupt;
-use crate::terminal::{print, remark};
+use crate::terminal::{INPUT, print, remark};
 use anyhow::{Context, Result, bail};
 use phisindy::files::Request;
 use phisindy_page::Page;
@@ -39,8 +39,12 @@ pub(crate) fn open(args: &OpenArgs, options: &Options) -> Result<u8> {
     if wanted && !opened && !options.quiet {
         remark("no browser could be started: open the address above in one");
     }
-    page.serve(&interrupt::reason);
+    let lost = page.serve(&interrupt::reason);
     interrupt::tell();
+    if let Some(lost) = lost {
+        remark(&lost);
+        return Ok(INPUT);
+    }
     Ok(interrupt::code())
 }
 

@@ -1,5 +1,6 @@
 //! What a record says that is still growing: its motion, the missing force at each speed, whether that is enough.
 
+use super::snapshot;
 use crate::check::said;
 use crate::columns::look;
 use crate::folder::Working;
@@ -8,12 +9,26 @@ use phisindy_import::Answers;
 use phisindy_phys::Sources;
 use phisindy_report::{Coverage, coverage};
 use serde_json::{Value, json};
+use std::io;
+use tempfile::TempDir;
 
-/// The judgement of a file of the folder, by the model of a spec of it or by a draft.
+/// The judgement of a file of the folder, by the model of a spec of it or by a draft. What is judged is a copy of its
+/// newest stretch: the file itself changes while it is read.
 pub(crate) fn of(folder: &Working, name: &str, spec: Option<&str>, request: &Request) -> Value {
-    let Ok(path) = folder.file(name) else { return Value::Null };
-    let seen = look(&path, name, &Value::Null, &Answers::default());
-    let told = |words: &str, forces: Vec<Value>| json!({ "words": words, "forces": forces, "curves": seen["preview"], "name": name });
+    let snapshot = || -> io::Result<(TempDir, usize)> {
+        let (text, left_out) = snapshot::of(&folder.file(name).map_err(io::Error::other)?)?;
+        let place = tempfile::tempdir()?;
+        std::fs::write(place.path().join(name), text)?;
+        Ok((place, left_out))
+    };
+    let (place, left_out) = match snapshot() {
+        Ok(made) => made,
+        Err(why) => {
+            return json!({ "words": format!("`{name}` cannot be judged: {why}"), "forces": [], "curves": [] });
+        }
+    };
+    let seen = look(&place.path().join(name), name, &Value::Null, &Answers::default());
+    let told = |words: &str, forces: Vec<Value>| json!({ "words": words, "forces": forces, "curves": seen["preview"], "name": name, "left_out": left_out });
     let text = match spec {
         Some(spec) => folder.file(spec).and_then(|path| spec_text(&path).map_err(|d| d.message)),
         None => seen["spec"].as_str().map(str::to_owned).ok_or_else(|| message(&seen["diagnostics"])),
@@ -22,6 +37,7 @@ pub(crate) fn of(folder: &Working, name: &str, spec: Option<&str>, request: &Req
         Ok(text) => text,
         Err(why) => return told(&why, vec![]),
     };
+    let request = &Request { data: Some(place.path().to_owned()), ..request.clone() };
     let (mut sources, mut found) = (Sources::default(), Vec::new());
     let by = folder.path().join(spec.unwrap_or("live.ron"));
     let Ok(loaded) = load_text(&by, text, request, Purpose::Gap, &mut sources, &mut found) else {

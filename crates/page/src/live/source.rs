@@ -1,5 +1,6 @@
 //! Where a growing record comes from, and its bytes as whole lines.
 
+use phisindy::files::open_plain_file;
 use serial2::SerialPort;
 use std::fmt;
 use std::fs::File;
@@ -57,6 +58,9 @@ impl FromStr for Source {
                 .map(|_| Source::Tcp(address.into()))
                 .ok_or_else(|| "the port is missing: tcp://192.168.0.7:5000".into());
         }
+        if let Some((kind, _)) = text.split_once("://") {
+            return Err(format!("`{kind}://` is not read: tcp://HOST:PORT, serial:PORT, or a file"));
+        }
         Ok(Source::File(text.into()))
     }
 }
@@ -86,6 +90,9 @@ impl Source {
             from: Some(opened),
             rest: vec![],
             starts: true,
+            skips: false,
+            anew: false,
+            read: 0,
             ended: false,
             tried: Instant::now(),
         })
@@ -96,23 +103,46 @@ impl Source {
             Source::Serial(port, baud) => {
                 let mut port = SerialPort::open(port, *baud)?;
                 port.set_read_timeout(PATIENCE)?;
-                From::Serial(port)
+                let held = held(&port)?;
+                From::Serial(port, held)
             }
             Source::Tcp(address) => {
                 let stream = TcpStream::connect(address)?;
                 stream.set_read_timeout(Some(PATIENCE))?;
                 From::Tcp(stream)
             }
-            Source::File(path) => From::File(File::open(path)?),
+            // A pipe would be waited for.
+            Source::File(path) => From::File(open_plain_file(path)?),
         })
     }
 }
 
 #[derive(Debug)]
 enum From {
-    Serial(SerialPort),
+    /// The second one holds it: two readers would get half of the bytes each.
+    Serial(SerialPort, #[expect(dead_code, reason = "held until it is dropped")] Option<File>),
     Tcp(TcpStream),
     File(File),
+}
+
+/// Holds a port until it is dropped.
+///
+/// # Errors
+/// Another program of this kind reads it.
+#[cfg(unix)]
+fn held(port: &SerialPort) -> io::Result<Option<File>> {
+    use std::os::fd::AsFd;
+    let held = File::from(port.as_fd().try_clone_to_owned()?);
+    match held.try_lock() {
+        Ok(()) => Ok(Some(held)),
+        Err(_) => Err(io::Error::new(ErrorKind::ResourceBusy, "another program reads it")),
+    }
+}
+
+/// There the system gives a port to one program alone.
+#[cfg(not(unix))]
+fn held(_: &SerialPort) -> io::Result<Option<File>> {
+    Ok(None)
 }
 
 /// The lines of a source.
@@ -125,6 +155,12 @@ pub(crate) struct Stream {
     rest: Vec<u8>,
     /// Whether a line may have begun before the first byte of it was read.
     starts: bool,
+    /// Whether the present line is too long to be one: it is left out.
+    skips: bool,
+    /// Whether it broke off and is back.
+    anew: bool,
+    /// Bytes of a file that were read.
+    read: u64,
     ended: bool,
     tried: Instant,
 }
@@ -135,20 +171,23 @@ impl Stream {
         self.ended
     }
 
-    /// Adds the whole lines that come within a moment.
+    /// Adds the whole lines that come within a moment; whether the source broke off before and is back.
     ///
     /// # Errors
     /// The source broke off. It is opened again until it is back; the line that was cut is dropped.
-    pub(crate) fn lines(&mut self, to: &mut Vec<u8>) -> io::Result<()> {
+    pub(crate) fn lines(&mut self, to: &mut Vec<u8>) -> io::Result<bool> {
         let mut piece = vec![0; LONGEST];
         let read = match &mut self.from {
-            Some(From::Serial(port)) => port.read(&mut piece),
+            Some(From::Serial(port, _)) => port.read(&mut piece),
             Some(From::Tcp(stream)) => stream.read(&mut piece),
             Some(From::File(file)) => file.read(&mut piece),
-            None => return self.opened_again(),
+            None => return self.opened_again().map(|()| false),
         };
         let n = match read {
             Ok(0) if matches!(self.from, Some(From::File(_))) => {
+                if !self.is_the_same_file() {
+                    return self.broke_off(&io::Error::other("another file has its name")).map(|()| false);
+                }
                 std::thread::sleep(PATIENCE);
                 0
             }
@@ -156,7 +195,7 @@ impl Stream {
                 self.ended = true;
                 0
             }
-            Ok(0) => return self.broke_off(&io::Error::from(ErrorKind::UnexpectedEof)),
+            Ok(0) => return self.broke_off(&io::Error::from(ErrorKind::UnexpectedEof)).map(|()| false),
             Ok(n) => n,
             Err(why)
                 if matches!(
@@ -166,10 +205,31 @@ impl Stream {
             {
                 0
             }
-            Err(why) => return self.broke_off(&why),
+            Err(why) => return self.broke_off(&why).map(|()| false),
         };
+        self.read += n as u64;
+        // What comes after a break is another record: it waits for the file of that.
+        if self.anew && n > 0 {
+            self.anew = false;
+            self.rest.extend_from_slice(&piece[..n]);
+            return Ok(true);
+        }
         self.rest.extend_from_slice(&piece[..n]);
-        self.handed_on(to)
+        self.handed_on(to).map(|()| false)
+    }
+
+    /// Whether the file still has its name, and has not become shorter.
+    fn is_the_same_file(&self) -> bool {
+        let (Source::File(path), Some(From::File(file))) = (&self.source, &self.from) else { return true };
+        let (Ok(named), Ok(own)) = (std::fs::metadata(path), file.metadata()) else { return false };
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::MetadataExt;
+            if (named.dev(), named.ino()) != (own.dev(), own.ino()) {
+                return false;
+            }
+        }
+        named.len() >= self.read && own.len() >= self.read
     }
 
     /// Adds the whole lines that are there already.
@@ -190,7 +250,12 @@ impl Stream {
     }
 
     fn handed_on(&mut self, to: &mut Vec<u8>) -> io::Result<()> {
-        if self.starts && matches!(self.source, Source::Serial(..)) {
+        if self.skips {
+            let end = self.rest.iter().position(|b| *b == b'\n').map_or(self.rest.len(), |at| at + 1);
+            self.skips = self.rest.get(end.wrapping_sub(1)) != Some(&b'\n');
+            self.rest.drain(..end);
+        }
+        if self.starts && matches!(self.source, Source::Serial(..)) && self.rest.len() < LONGEST {
             let lines: Vec<&[u8]> = self.rest.split_inclusive(|b| *b == b'\n').collect();
             let [first, second, third, ..] = lines[..] else { return Ok(()) };
             if !third.ends_with(b"\n") {
@@ -205,16 +270,20 @@ impl Stream {
         to.extend(self.rest.drain(..whole));
         if self.rest.len() >= LONGEST {
             self.rest.clear();
-            return Err(io::Error::other(format!(
-                "`{}` sends no lines: is the baud rate right?",
-                self.source
-            )));
+            self.skips = true;
+        }
+        if self.skips {
+            let hint =
+                if matches!(self.source, Source::Serial(..)) { "; is the baud rate right?" } else { "" };
+            let why = format!("`{}` sends no ends of lines (\\n), so nothing is kept{hint}", self.source);
+            return Err(io::Error::other(why));
         }
         Ok(())
     }
 
     fn broke_off(&mut self, why: &io::Error) -> io::Result<()> {
         (self.from, self.starts, self.tried) = (None, true, Instant::now());
+        (self.anew, self.skips, self.read) = (true, false, 0);
         self.rest.clear();
         Err(io::Error::other(format!(
             "`{}` broke off ({why}); it is opened again when it is back",
