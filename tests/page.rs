@@ -1154,7 +1154,12 @@ fn followed(
             std::thread::sleep(Duration::from_millis(20));
         }
     });
-    println!("{source}: judged {:.2} s after the last of {} lines", late.as_secs_f64(), lines.len());
+    let _ = writeln!(
+        std::io::stdout(),
+        "{source}: judged {:.2} s after the last of {} lines",
+        late.as_secs_f64(),
+        lines.len()
+    );
     served.json("POST", "api/live-stop", "");
     let since = Instant::now();
     while served.json("GET", "api/live", "")["ended"] != true {

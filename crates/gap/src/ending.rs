@@ -216,7 +216,7 @@ impl<'s, 'a> Ending<'s, 'a> {
         for p in &mut self.last.cal.parameters {
             let of = |q: &&FoundParameter| q.id == p.id && q.estimate.value.is_finite();
             if let Some(found) = found.parameters.iter().find(of) {
-                p.estimate = found.estimate.clone();
+                p.estimate = found.estimate;
             }
         }
         self.last.model = self.last.settled();

@@ -300,7 +300,8 @@ impl Fit {
         let mut left: Vec<f64> = samples.iter().map(|s| s.force).collect();
         // Gram and Schmidt: what its predecessors tell of a column is taken out, and one of which nothing is left is
         // left out.
-        let (mut basis, mut kept): (Vec<Vec<f64>>, Vec<(usize, Vec<f64>)>) = (vec![], vec![]);
+        let mut basis: Vec<Vec<f64>> = vec![];
+        let mut kept: Vec<(usize, Vec<f64>)> = vec![];
         for j in 0..own + values.len() {
             let mut rest = column(j);
             let whole = dot(&rest, &rest);
