@@ -1171,6 +1171,15 @@ fn followed(
     (served, now)
 }
 
+/// The example lies in the crate, so that a package has it.
+#[test]
+fn the_example_is_the_file_of_the_tutorial() {
+    let page = Served::new(None);
+    assert_eq!(page.json("POST", "api/example", "")["name"], "rig.csv");
+    let due = std::fs::read_to_string(top().join("docs/tutorial/rig.csv")).expect("the file of the tutorial");
+    assert_eq!(page.text("rig.csv"), due);
+}
+
 /// Seconds that a board sends for: `PHISINDY_LIVE=60` is a minute at 1 kHz.
 fn live_seconds() -> u32 {
     std::env::var("PHISINDY_LIVE").ok().and_then(|text| text.parse().ok()).unwrap_or(4)

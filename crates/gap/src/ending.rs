@@ -106,7 +106,7 @@ impl<'s, 'a> Ending<'s, 'a> {
         let (status, alternative) = self.other_explanations(status, repeats, determined)?;
         let determined = self.doubts_of_the_rest(status, determined);
         if matches!(alternative, Some(Alternative::InputNoise(_))) && !self.interrupted() {
-            self.numbers_beside_a_force();
+            self.refit_with_random_force();
         }
         let found = |a: &Applied| a.effect.entry.id == DISCOVERED;
         let status = match status {
@@ -196,7 +196,7 @@ impl<'s, 'a> Ending<'s, 'a> {
 
     /// Takes the numbers of the final model from the fit that leaves a random force on each body. The noise of an input
     /// is one: a free run sums it up and bends the numbers to it, by more than its intervals say.
-    fn numbers_beside_a_force(&mut self) {
+    fn refit_with_random_force(&mut self) {
         let TrialModel { system, records, given, .. } = &self.last.model;
         let case = Case {
             system: system.clone(),
@@ -216,7 +216,7 @@ impl<'s, 'a> Ending<'s, 'a> {
         for p in &mut self.last.cal.parameters {
             let of = |q: &&FoundParameter| q.id == p.id && q.estimate.value.is_finite();
             if let Some(found) = found.parameters.iter().find(of) {
-                p.estimate = found.estimate;
+                *p = found.clone();
             }
         }
         self.last.model = self.last.settled();

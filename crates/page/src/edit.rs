@@ -6,16 +6,16 @@
 use crate::terms::{Ends, Terms, applied, factor};
 use phisindy_expr::Span;
 use phisindy_phys::spec::{ConstantSpec, CsvSpec, DataSpec, Number, Role, Spec, Text};
-use phisindy_phys::splice::{push_at, quoted, remove_at, set_at};
+use phisindy_phys::splice::{SetError, push_at, quoted, remove_at, set_at};
 use phisindy_phys::{Diagnostic, SourceId, spec};
-use phisindy_report::{Drawn, DrawnBody, DrawnEnd, DrawnPart, drawn};
+use phisindy_report::{EditableSketch, SketchBody, SketchEnd, SketchPart, editable_sketch};
 use serde_json::{Value, json};
 
 /// A spec without mistakes and its sketch.
 struct Model {
     text: String,
     spec: Spec,
-    drawn: Option<Drawn>,
+    drawn: Option<EditableSketch>,
 }
 
 impl Model {
@@ -25,19 +25,19 @@ impl Model {
         };
         let (spec, _) = spec::read(text, SourceId(0)).map_err(first)?;
         let (case, _) = phisindy_phys::check(&spec, SourceId(0)).map_err(first)?;
-        let drawn = drawn(&spec, &case);
+        let drawn = editable_sketch(&spec, &case);
         Ok(Model { text: text.to_owned(), spec, drawn })
     }
 
-    fn drawn(&self) -> Result<&Drawn, String> {
+    fn drawn(&self) -> Result<&EditableSketch, String> {
         self.drawn.as_ref().ok_or_else(|| "the model has no sketch".to_owned())
     }
 
-    fn part(&self, key: &str) -> Result<&DrawnPart, String> {
+    fn part(&self, key: &str) -> Result<&SketchPart, String> {
         self.drawn()?.parts.iter().find(|p| p.key == key).ok_or_else(gone)
     }
 
-    fn body(&self, key: &str) -> Result<&DrawnBody, String> {
+    fn body(&self, key: &str) -> Result<&SketchBody, String> {
         self.drawn()?.bodies.iter().find(|b| b.key == key).ok_or_else(gone)
     }
 
@@ -69,7 +69,7 @@ pub(crate) fn shown(text: &str) -> Value {
     let read = spec::read(text, SourceId(0)).ok();
     let model = Model::read(text).ok();
     let files = |(spec, _): &(Spec, _)| {
-        let records = spec.data.iter().filter_map(of_file);
+        let records = spec.data.iter().filter_map(DataSpec::of_file);
         records.map(|csv| json!({ "file": csv.path.value, "role": role(csv) })).collect::<Vec<_>>()
     };
     json!({
@@ -79,22 +79,22 @@ pub(crate) fn shown(text: &str) -> Value {
     })
 }
 
-fn sketch(model: &Model, drawn: &Drawn) -> Value {
-    let part = |part: &DrawnPart| {
+fn sketch(model: &Model, drawn: &EditableSketch) -> Value {
+    let part = |part: &SketchPart| {
         let mut can = vec![];
         if is_of_contact(part) || is_element(part) && !model.has_energies() {
             match part.ends {
-                [DrawnEnd::Ground, DrawnEnd::Body(_)] => {
+                [SketchEnd::Ground, SketchEnd::Body(_)] => {
                     can.extend(drawn.bases.iter().any(|b| b[order(part)].is_some()).then_some("base"));
                 }
-                [DrawnEnd::Base(_), _] => can.push("ground"),
+                [SketchEnd::Base(_), _] => can.push("ground"),
                 _ => {}
             }
             can.push("remove");
         }
         json!({ "key": part.key, "title": part.title, "constants": part.constants, "can": can })
     };
-    let body = |body: &DrawnBody| {
+    let body = |body: &SketchBody| {
         let mut can = vec![];
         can.extend((!sticks(&model.spec, &body.speed)).then_some("contact"));
         if !model.has_energies() {
@@ -111,13 +111,6 @@ fn sketch(model: &Model, drawn: &Drawn) -> Value {
         "svg": drawn.svg,
         "parts": drawn.parts.iter().map(part).chain(drawn.bodies.iter().map(body)).collect::<Vec<_>>(),
     })
-}
-
-fn of_file(data: &DataSpec) -> Option<&CsvSpec> {
-    match data {
-        DataSpec::Csv(csv) if !csv.in_memory => Some(csv),
-        _ => None,
-    }
 }
 
 fn role(csv: &CsvSpec) -> &'static str {
@@ -175,11 +168,11 @@ pub(crate) fn edit(asked: &Value) -> Result<String, String> {
         Model::read(text).map_err(|why| format!("the text has a mistake, which comes first: {why}"))?;
     match what {
         "remove" => changed(&model, model.part(word("part"))?, None),
-        "ground" => changed(&model, model.part(word("part"))?, Some(DrawnEnd::Ground)),
+        "ground" => changed(&model, model.part(word("part"))?, Some(SketchEnd::Ground)),
         "base" => {
             let part = model.part(word("part"))?;
             let base = model.drawn()?.bases.iter().position(|b| b[order(part)].is_some()).unwrap_or_default();
-            changed(&model, part, Some(DrawnEnd::Base(base)))
+            changed(&model, part, Some(SketchEnd::Base(base)))
         }
         "mass" | "damper" | "spring" => added(&model, model.body(word("part"))?, what, &word),
         "record" => with_record(&model, word("file"), word("to")),
@@ -286,12 +279,12 @@ fn bounds(x: f64) -> (String, String) {
     (short(a), short(b))
 }
 
-fn is_of_contact(part: &DrawnPart) -> bool {
+fn is_of_contact(part: &SketchPart) -> bool {
     part.kind == "friction"
 }
 
 /// Whether a part acts along displacements (0) or speeds (1).
-fn order(part: &DrawnPart) -> usize {
+fn order(part: &SketchPart) -> usize {
     usize::from(!part.kind.ends_with("spring"))
 }
 
@@ -301,17 +294,17 @@ fn sticks(spec: &Spec, speed: &str) -> bool {
 }
 
 /// A spring or a damper that the spec states.
-fn is_element(part: &DrawnPart) -> bool {
+fn is_element(part: &SketchPart) -> bool {
     !part.sought && (part.kind.ends_with("spring") || part.kind.ends_with("damper"))
 }
 
-fn ends_of(drawn: &Drawn, ends: [DrawnEnd; 2]) -> Ends {
+fn ends_of(drawn: &EditableSketch, ends: [SketchEnd; 2]) -> Ends {
     let mut all = Ends::default();
     for end in ends {
         match end {
-            DrawnEnd::Ground => {}
-            DrawnEnd::Base(k) => all.base = drawn.bases.get(k).cloned(),
-            DrawnEnd::Body(k) => {
+            SketchEnd::Ground => {}
+            SketchEnd::Base(k) => all.base = drawn.bases.get(k).cloned(),
+            SketchEnd::Body(k) => {
                 let body = drawn.bodies.get(k);
                 all.bodies.extend(body.map(|b| [b.displacement.clone(), Some(b.speed.clone())]));
             }
@@ -323,9 +316,9 @@ fn ends_of(drawn: &Drawn, ends: [DrawnEnd; 2]) -> Ends {
 /// A part that is to go (`to` is none), or to stand on another support.
 struct Change<'m> {
     model: &'m Model,
-    part: &'m DrawnPart,
+    part: &'m SketchPart,
     ends: Ends,
-    to: Option<DrawnEnd>,
+    to: Option<SketchEnd>,
     base: Option<[Option<String>; 2]>,
 }
 
@@ -337,11 +330,11 @@ struct Plan {
 }
 
 /// The text without a part (`None`), or with it on another support.
-fn changed(model: &Model, part: &DrawnPart, to: Option<DrawnEnd>) -> Result<String, String> {
+fn changed(model: &Model, part: &SketchPart, to: Option<SketchEnd>) -> Result<String, String> {
     let drawn = model.drawn()?;
     let (mut ends, order) = (ends_of(drawn, part.ends), order(part));
     let mut base = match to {
-        Some(DrawnEnd::Base(k)) => Some(drawn.bases.get(k).ok_or("no support moves in this model")?.clone()),
+        Some(SketchEnd::Base(k)) => Some(drawn.bases.get(k).ok_or("no support moves in this model")?.clone()),
         _ => None,
     };
     if base.as_ref().is_some_and(|base| base[order].is_none()) {
@@ -466,15 +459,15 @@ impl Change<'_> {
 }
 
 /// Whether a sketch differs from another one by this part alone, which is gone, or at another support.
-fn is_only(old: &Drawn, new: &Drawn, part: &DrawnPart, to: Option<DrawnEnd>) -> bool {
+fn is_only(old: &EditableSketch, new: &EditableSketch, part: &SketchPart, to: Option<SketchEnd>) -> bool {
     let place = to.map(|to| (part.kind, [to, part.ends[1]]));
-    let own = |p: &DrawnPart| (p.kind, p.ends) == (part.kind, part.ends);
-    let at = |p: &DrawnPart| Some((p.kind, p.ends)) == place;
-    let others = |all: &Drawn| -> Vec<(String, String)> {
+    let own = |p: &SketchPart| (p.kind, p.ends) == (part.kind, part.ends);
+    let at = |p: &SketchPart| Some((p.kind, p.ends)) == place;
+    let others = |all: &EditableSketch| -> Vec<(String, String)> {
         let kept = all.parts.iter().filter(|p| !own(p) && !at(p));
         kept.map(|p| (p.key.clone(), p.title.clone())).collect()
     };
-    let bodies = |all: &Drawn| all.bodies.iter().map(|b| b.title.clone()).collect::<Vec<_>>();
+    let bodies = |all: &EditableSketch| all.bodies.iter().map(|b| b.title.clone()).collect::<Vec<_>>();
     let mut same = [others(old), others(new)];
     same.iter_mut().for_each(|all| all.sort());
     let done = !new.parts.iter().any(own) && (to.is_none() || new.parts.iter().any(at));
@@ -485,7 +478,7 @@ fn is_only(old: &Drawn, new: &Drawn, part: &DrawnPart, to: Option<DrawnEnd>) -> 
 /// The text with a mass that has a name, or with another damper or spring to the ground.
 fn added<'v>(
     model: &Model,
-    body: &DrawnBody,
+    body: &SketchBody,
     what: &str,
     word: &dyn Fn(&'static str) -> &'v str,
 ) -> Result<String, String> {
@@ -524,12 +517,12 @@ fn added<'v>(
 }
 
 /// The text with a body that may stick to the ground, and a candidate for its friction where candidates are asked for.
-fn with_contact(model: &Model, body: &DrawnBody) -> Result<String, String> {
+fn with_contact(model: &Model, body: &SketchBody) -> Result<String, String> {
     let (spec, speed) = (&model.spec, body.speed.as_str());
     if sticks(spec, speed) {
         return Err(format!("`{speed}` can stick already"));
     }
-    let why = |why: phisindy_phys::splice::SetError| why.to_string();
+    let why = |why: SetError| why.to_string();
     let mut text = push_at(&model.text, &["contacts"], &quoted(speed)).map_err(why)?;
     let rubs = |t: &Text| {
         Terms::read(&t.value).is_some_and(|t| !t.with_sign(&|names| names.contains(&speed)).is_empty())
@@ -552,11 +545,25 @@ fn with_contact(model: &Model, body: &DrawnBody) -> Result<String, String> {
     Model::read(&text).map(|_| text)
 }
 
+/// A record of another file that is read as this one is, but as a whole.
+///
+/// # Errors
+/// The text is no record.
+pub(crate) fn record_like(record: &str, file: &str, role: &str) -> Result<String, SetError> {
+    let mut spec = format!("(data: [{record}])");
+    for field in ["name", "window", "run", "rows", "start"] {
+        spec = remove_at(&spec, &["data", "0", field]).unwrap_or(spec);
+    }
+    spec = set_at(&spec, &["data", "0", "path"], &quoted(file))?;
+    spec = set_at(&spec, &["data", "0", "role"], role)?;
+    Ok(spec["(data: [".len()..spec.len() - "])".len()].to_owned())
+}
+
 /// The text with the records of a file for this, or for nothing; a new one is read as the first record is, but as a whole.
 fn with_record(model: &Model, file: &str, to: &str) -> Result<String, String> {
-    let why = |why: phisindy_phys::splice::SetError| why.to_string();
+    let why = |why: SetError| why.to_string();
     let all: Vec<(usize, &CsvSpec)> =
-        model.spec.data.iter().enumerate().filter_map(|(k, d)| Some((k, of_file(d)?))).collect();
+        model.spec.data.iter().enumerate().filter_map(|(k, d)| Some((k, d.of_file()?))).collect();
     let own: Vec<String> =
         all.iter().filter(|(_, c)| c.path.value == file).map(|(k, _)| k.to_string()).collect();
     let mut text = model.text.clone();
@@ -573,15 +580,8 @@ fn with_record(model: &Model, file: &str, to: &str) -> Result<String, String> {
             if own.is_empty() {
                 let (_, first) =
                     all.first().ok_or("the spec reads no file that another one could be like")?;
-                let mut record = format!("(data: [{}])", &text[first.span.range()]);
-                for field in ["name", "window", "run", "rows", "start"] {
-                    record = remove_at(&record, &["data", "0", field]).unwrap_or(record);
-                }
-                record = set_at(&record, &["data", "0", "path"], &quoted(words(file)?)).map_err(why)?;
-                record = set_at(&record, &["data", "0", "role"], to).map_err(why)?;
-                let record =
-                    record.strip_prefix("(data: [").and_then(|r| r.strip_suffix("])")).ok_or_else(gone)?;
-                text = push_at(&text, &["data"], record).map_err(why)?;
+                let record = record_like(&text[first.span.range()], words(file)?, to).map_err(why)?;
+                text = push_at(&text, &["data"], &record).map_err(why)?;
             }
         }
         _ => return Err(format!("a file is not for `{to}`")),

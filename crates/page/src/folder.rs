@@ -120,10 +120,7 @@ impl Working {
         if let Place::Over(_) = place {
             return Err(Unwritten::Changed);
         }
-        let stem = stem(name);
-        let end = name.strip_prefix(stem).unwrap_or_default();
-        let names = std::iter::once(name.to_owned()).chain((2..1000).map(|k| format!("{stem}-{k}{end}")));
-        for new in names {
+        for new in names_like(name) {
             let path = self.file(&new).map_err(Unwritten::Because)?;
             if path.symlink_metadata().is_err() || version(&path) == version(content) {
                 return Ok(new);
@@ -206,6 +203,13 @@ pub(crate) fn plain(name: &str) -> bool {
         && !name.ends_with(['.', ' '])
         && !name.contains(odd)
         && !device
+}
+
+/// A name and others like it: `a.csv`, `a-2.csv`, `a-3.csv`, ...
+pub(crate) fn names_like(name: &str) -> impl Iterator<Item = String> {
+    let stem = stem(name);
+    let end = name.strip_prefix(stem).unwrap_or_default();
+    std::iter::once(name.to_owned()).chain((2..1000).map(move |k| format!("{stem}-{k}{end}")))
 }
 
 /// A name without its ending.

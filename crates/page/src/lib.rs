@@ -58,7 +58,7 @@ pub struct Page {
     listener: TcpListener,
     site: Arc<Site>,
     /// The lines of a record that grows, and its file, until somebody reads them.
-    growing: Mutex<Option<(live::Stream, live::Growing)>>,
+    growing: Mutex<Option<(live::Stream, live::RecordFile)>>,
 }
 
 impl Page {

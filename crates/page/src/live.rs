@@ -2,12 +2,14 @@
 //! and are judged again and again, so that who moves the rig knows when it is enough.
 
 mod judgement;
+mod row;
 mod snapshot;
 mod source;
 
-use crate::folder::{LARGEST_SPEC, Place, Working};
+use crate::edit::record_like;
+use crate::folder::{LARGEST_SPEC, Place, Working, names_like, stem};
 use phisindy::files::{Request, spec_text};
-use phisindy_phys::splice;
+use phisindy_phys::{SourceId, spec, splice};
 use serde_json::{Value, json};
 pub use source::Source;
 pub(crate) use source::Stream;
@@ -16,6 +18,7 @@ use std::io::{self, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
+use tempfile::TempDir;
 
 /// Name of the file that the lines go to; a further one gets a number.
 const NAME: &str = "live.csv";
@@ -35,6 +38,8 @@ pub(crate) struct Live {
     stop: AtomicBool,
     /// Whether the program ends: nobody waits for a judgement.
     closes: AtomicBool,
+    /// Where what is judged lies.
+    judged: TempDir,
     state: Mutex<State>,
 }
 
@@ -55,7 +60,7 @@ struct State {
 }
 
 /// The file that lines go to.
-pub(crate) struct Growing {
+pub(crate) struct RecordFile {
     name: String,
     spec: Option<String>,
     file: File,
@@ -66,9 +71,9 @@ pub(crate) struct Growing {
     waiting: Vec<u8>,
 }
 
-impl Growing {
+impl RecordFile {
     /// A file of its own, and a copy of the spec that the page begins with that reads it.
-    fn new(folder: &Working, given: Option<&str>) -> io::Result<Growing> {
+    fn new(folder: &Working, given: Option<&str>) -> io::Result<RecordFile> {
         let text = given.map(|given| {
             let path = folder.file(given).map_err(io::Error::other)?;
             let text = spec_text(&path).map_err(|d| io::Error::other(d.message))?;
@@ -82,13 +87,13 @@ impl Growing {
         let (name, file) = new_file(folder)?;
         let spec = match text.and_then(|(given, text)| Some((given, reading(&text, &name)?))) {
             Some((given, text)) => {
-                let new = format!("{}-live.ron", crate::folder::stem(given));
+                let new = format!("{}-live.ron", stem(given));
                 let written = folder.write(&new, &mut text.as_bytes(), LARGEST_SPEC, Place::Beside);
                 written.ok().map(|(name, _)| name)
             }
             None => None,
         };
-        Ok(Growing { name, spec, file, written: 0, whole: 0, waiting: vec![] })
+        Ok(RecordFile { name, spec, file, written: 0, whole: 0, waiting: vec![] })
     }
 
     /// Writes what waits; how many lines that were.
@@ -124,10 +129,10 @@ impl Live {
         folder: &Working,
         source: Source,
         first: Option<&str>,
-    ) -> io::Result<(Live, Stream, Growing)> {
+    ) -> io::Result<(Live, Stream, RecordFile)> {
         let stream = source.open()?;
         let given = first.filter(|first| first.ends_with(".ron")).map(str::to_owned);
-        let to = Growing::new(folder, given.as_deref()).map_err(|why| {
+        let to = RecordFile::new(folder, given.as_deref()).map_err(|why| {
             io::Error::new(why.kind(), format!("no record can grow in `{}`: {why}", folder.path().display()))
         })?;
         let state = State {
@@ -141,7 +146,8 @@ impl Live {
             judged_lines: 0,
         };
         let [stop, closes] = [false, false].map(AtomicBool::new);
-        Ok((Live { source, given, stop, closes, state: Mutex::new(state) }, stream, to))
+        let judged = tempfile::tempdir()?;
+        Ok((Live { source, given, stop, closes, judged, state: Mutex::new(state) }, stream, to))
     }
 
     /// What the page begins with: the spec that judges, if there is one.
@@ -158,6 +164,8 @@ impl Live {
     pub(crate) fn close(&self) {
         self.closes.store(true, Ordering::SeqCst);
         self.stop();
+        // Nobody waits for a judgement that is under way: it finds nothing, and says so to nobody.
+        let _ = std::fs::remove_dir_all(self.judged.path());
     }
 
     fn state(&self) -> MutexGuard<'_, State> {
@@ -176,7 +184,7 @@ impl Live {
 
     /// Writes what comes until it ends or is stopped; what was lost, in words. Where the disk is full the lines wait.
     /// A source that broke off and is back begins a new record: a board counts its time anew.
-    pub(crate) fn record(&self, folder: &Working, mut stream: Stream, mut to: Growing) -> Option<String> {
+    pub(crate) fn record(&self, folder: &Working, mut stream: Stream, mut to: RecordFile) -> Option<String> {
         while !self.stop.load(Ordering::SeqCst) && !stream.has_ended() {
             let read = if to.waiting.len() < WAITING { stream.lines(&mut to.waiting) } else { Ok(false) };
             let began_anew = matches!(read, Ok(true));
@@ -186,7 +194,7 @@ impl Live {
                 Err(why) => trouble = Some(format!("cannot write `{}`: {why}; the lines wait", to.name)),
             }
             if began_anew && to.whole > 0 && to.waiting.is_empty() {
-                match Growing::new(folder, self.given.as_deref()) {
+                match RecordFile::new(folder, self.given.as_deref()) {
                     Ok(new) => {
                         let mut state = self.state();
                         (state.name, state.spec) = (new.name.clone(), new.spec.clone());
@@ -235,7 +243,7 @@ impl Live {
             if lines != seen {
                 seen = lines;
                 let began = Instant::now();
-                let judged = judgement::of(folder, &name, spec.as_deref(), request);
+                let judged = judgement::of(folder, (&name, spec.as_deref()), request, self.judged.path());
                 {
                     let mut state = self.state();
                     if state.name == name {
@@ -260,9 +268,7 @@ impl Live {
 
 /// A file of its own for the record, with the first name that is free.
 fn new_file(folder: &Working) -> io::Result<(String, File)> {
-    let stem = crate::folder::stem(NAME);
-    let names = std::iter::once(NAME.to_owned()).chain((2..1000).map(|k| format!("{stem}-{k}.csv")));
-    for name in names {
+    for name in names_like(NAME) {
         let path = folder.file(&name).map_err(io::Error::other)?;
         match OpenOptions::new().append(true).create_new(true).open(path) {
             Err(why) if why.kind() == io::ErrorKind::AlreadyExists => {}
@@ -274,17 +280,8 @@ fn new_file(folder: &Working) -> io::Result<(String, File)> {
 
 /// A spec whose one record is `file`, read as its first record with a file is; `None` without one.
 fn reading(text: &str, file: &str) -> Option<String> {
-    use phisindy_phys::spec::{DataSpec, read};
-    let (spec, _) = read(text, phisindy_phys::SourceId(0)).ok()?;
-    let csv = spec.data.iter().find_map(|data| match data {
-        DataSpec::Csv(csv) if !csv.in_memory => Some(csv),
-        _ => None,
-    })?;
-    let mut own = splice::set(&text[csv.span.range()], "path", &format!("{file:?}")).ok()?;
-    for (field, given, value) in [("window", csv.window.is_some(), "(0.0, 1e9)"), ("role", true, "Fit")] {
-        if given {
-            own = splice::set(&own, field, value).ok()?;
-        }
-    }
+    let (spec, _) = spec::read(text, SourceId(0)).ok()?;
+    let first = spec.data.iter().find_map(spec::DataSpec::of_file)?;
+    let own = record_like(&text[first.span.range()], file, "Fit").ok()?;
     splice::set(text, "data", &format!("[{own}]")).ok()
 }

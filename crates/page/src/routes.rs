@@ -35,7 +35,7 @@ type Handler = fn(&mut Asked<'_>) -> Result<Reply, String>;
 const ROUTES: &[(&str, &str, u64, Handler)] = &[
     ("GET", "", 0, |_| Ok(Reply::page("page.html", include_str!("page.html")))),
     ("GET", "page.css", 0, |_| {
-        Ok(Reply::page("page.css", &(phisindy_report::drawn_style() + include_str!("page.css"))))
+        Ok(Reply::page("page.css", &(phisindy_report::sketch_style() + include_str!("page.css"))))
     }),
     ("GET", "page.js", 0, |_| Ok(Reply::page("page.js", include_str!("page.js")))),
     ("GET", "api/state", 0, state),
@@ -93,7 +93,7 @@ const ROUTES: &[(&str, &str, u64, Handler)] = &[
         Ok(Reply::json(&json!({ "text": text })))
     }),
     ("POST", "api/example", 0, |asked| {
-        let mut example: &[u8] = include_bytes!("../../../docs/tutorial/rig.csv");
+        let mut example: &[u8] = include_bytes!("rig.csv");
         match asked.site.folder.write("rig.csv", &mut example, LARGEST_DATA, Place::Beside) {
             Ok((name, _)) => Ok(Reply::json(&json!({ "name": name }))),
             Err(Unwritten::Because(why)) => Err(why),

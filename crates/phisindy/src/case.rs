@@ -64,15 +64,12 @@ impl Case {
 
     /// Whether it has records that files hold, or tables in their place ([`crate::files::Request::tables`]).
     pub fn has_files(&self) -> bool {
-        self.spec.data.iter().any(|data| matches!(data, DataSpec::Csv(csv) if !csv.in_memory))
+        self.spec.data.iter().any(|data| data.of_file().is_some())
     }
 
     /// The headings that the records with files need of them, in their order: a name may come twice.
     pub fn headings(&self) -> impl Iterator<Item = &str> {
-        self.spec.data.iter().flat_map(|data| match data {
-            DataSpec::Csv(csv) if !csv.in_memory => headings(csv).collect::<Vec<_>>(),
-            _ => vec![],
-        })
+        self.spec.data.iter().filter_map(DataSpec::of_file).flat_map(headings)
     }
 
     /// Names of the states.

@@ -6,6 +6,7 @@
 
 use crate::chart::digits;
 use crate::measured_force::LocalCubic;
+use crate::table::REACH;
 use phisindy_expr::{Id, Scratch, Tape};
 use phisindy_phys::{Record, System};
 use std::fmt;
@@ -20,9 +21,6 @@ const SAMPLES: usize = 3000;
 const STEPS: usize = 8;
 /// Part of a constant's force, in squares, that is no function of the speed: with less the curve holds that force.
 const APART: f64 = 1e-2;
-/// Half width of a 95 % interval of the normal distribution, in standard deviations.
-const REACH: f64 = 1.96;
-
 /// What the records tell of the missing force over one speed.
 #[derive(Clone, Debug)]
 pub struct Coverage {
@@ -109,7 +107,7 @@ struct Body<'a> {
     state: usize,
     /// The speed over which the force is drawn, and its name.
     speed: String,
-    /// Speed, rate, inertia.
+    /// Speed, rate, inertia; then the derivatives of rate and inertia by each free constant.
     tape: Tape,
 }
 
@@ -135,8 +133,13 @@ impl<'a> Body<'a> {
         // It rubs at the contact that its speed has a part in.
         let contact = system.contacts.iter().find(|c| system.graph.uses(&[c.node], &[own]));
         let (node, speed) = contact.map_or((own, &system.states[state].name), |c| (c.node, &c.text));
-        let nodes: [Id; 3] = [node, system.known[state], system.inertia[state].unwrap_or(system.time)];
-        let tape = Tape::compile(&system.graph, &system.arguments(), &nodes).ok()?;
+        let mut graph = system.graph.clone();
+        let (rate, inertia) = (system.known[state], system.inertia[state]);
+        let inertia = inertia.unwrap_or_else(|| graph.constant(1.0));
+        let constants: Vec<Id> = system.parameters.iter().map(|p| p.node).collect();
+        let slopes = [rate, inertia].map(|of| graph.gradient(of, &constants));
+        let nodes: Vec<Id> = [node, rate, inertia].into_iter().chain(slopes.concat()).collect();
+        let tape = Tape::compile(&graph, &system.arguments(), &nodes).ok()?;
         Some(Body { system, state, speed: speed.clone(), tape })
     }
 
@@ -215,29 +218,27 @@ impl<'a> Body<'a> {
         let every = (record.len() / SAMPLES).max(1);
         let typical = (0..record.len()).step_by(every).filter_map(|i| rate(&longest, i));
         let typical = typical.map(f64::abs).fold(0.0, f64::max);
-        let own = LocalCubic::new(time, values, noise / typical, twice)?;
-        let step = (2.0 * own.half_width() / record.step(column)).round().max(1.0) as usize;
         let smooth: Vec<Option<LocalCubic<'_>>> = (0..states.len())
             .map(|s| match s {
                 s if s == column => LocalCubic::new(time, values, noise / typical, twice),
                 s => LocalCubic::new(time, measured(s)?, record.noise_level(s) / record.deviation(s), false),
             })
             .collect();
+        let own = smooth[column].as_ref()?;
+        let step = (2.0 * own.half_width() / record.step(column)).round().max(1.0) as usize;
         let at = |s: usize, i: usize| -> f64 {
             let of = |s: usize, k: usize| smooth[s].as_ref().and_then(|cubic| Some(cubic.at(i)?[k]));
             let slope = || states.iter().position(|x| x.velocity == Some(s)).and_then(|x| of(x, 1));
             of(s, 0).or_else(slope).unwrap_or(f64::NAN)
         };
-        let mut motion = Motion { samples: vec![], states: vec![], rates: vec![], error: 0.0 };
+        let error = noise * own.error(usize::from(twice));
+        let mut motion = Motion { samples: vec![], states: vec![], rates: vec![], error };
         let half = step / 2;
-        let n = (2 * half + 1) as f64;
-        motion.error =
-            noise * if twice { 12f64.sqrt() / n.powf(1.5) / record.step(column) } else { n.powf(-0.5) };
         for i in (half..record.len().saturating_sub(half)).step_by(step.max(record.len() / SAMPLES)) {
             let speed = at(self.state, i);
             // A window over a reversal mixes both signs of a friction, and one at rest tells none.
             let same = [i - half, i + half].into_iter().all(|k| at(self.state, k) * speed >= 0.0);
-            let (Some(rate), true) = (rate(&own, i), same && speed.abs() > 3.0 * motion.error) else {
+            let (Some(rate), true) = (rate(own, i), same && speed.abs() > 3.0 * motion.error) else {
                 continue;
             };
             motion.samples.push(i);
@@ -250,23 +251,14 @@ impl<'a> Body<'a> {
     /// Speed and force of the samples, with these values of the constants.
     fn samples(&self, record: &Record, motion: &Motion, values: &[f64]) -> Vec<Sample> {
         let mut scratch = Scratch::<1>::new(&self.tape);
-        let mut at = |k: usize, values: &[f64]| -> (f64, f64) {
-            let states = motion.states[k].iter().copied();
-            scratch.at(record.arguments_at(motion.samples[k], states, values));
-            let [speed, rate, inertia] = std::array::from_fn(|k| scratch.output(k)[0]);
-            let inertia = if self.system.inertia[self.state].is_some() { inertia } else { 1.0 };
-            (speed, inertia * (rate - motion.rates[k]))
-        };
         let mut all = Vec::new();
-        for k in 0..motion.samples.len() {
-            let (speed, force) = at(k, values);
-            let by = (0..values.len()).map(|p| {
-                let mut other = values.to_vec();
-                let step = 1e-6 * values[p].abs().max(1e-6);
-                other[p] += step;
-                (at(k, &other).1 - force) / step
-            });
-            let by: Vec<f64> = by.collect();
+        for (k, &a) in motion.rates.iter().enumerate() {
+            scratch.at(record.arguments_at(motion.samples[k], motion.states[k].iter().copied(), values));
+            let told = |k: usize| scratch.output(k)[0];
+            let (speed, left, inertia) = (told(0), told(1) - a, told(2));
+            let by = |p: usize| inertia * told(3 + p) + left * told(3 + values.len() + p);
+            let by: Vec<f64> = (0..values.len()).map(by).collect();
+            let force = inertia * left;
             if [speed, force].into_iter().chain(by.iter().copied()).all(f64::is_finite) {
                 all.push(Sample { speed, force, by });
             }

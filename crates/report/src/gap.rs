@@ -14,7 +14,7 @@ pub(crate) use discovered_force::remarks;
 pub(crate) use finding::{Finding, counted, finding, symbol};
 pub(crate) use outcome::basis;
 pub use report::GapReport;
-pub(crate) use text::{rivals, unseen};
+pub(crate) use text::rivals;
 
 use crate::Look;
 use crate::format::Format;

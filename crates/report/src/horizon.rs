@@ -3,13 +3,14 @@
 use crate::chart::{Axis, Chart, Mark, Panel, Place, Scale, Sheet, Swatch, legend};
 use crate::format::capital;
 use crate::table::short;
-use phisindy_learn::Horizon;
+use phisindy_learn::{Horizon, RecordFit};
+use phisindy_phys::spec::Role;
 use serde::Serialize;
 
 /// `the model misses x of run 1 by 0.3 % of its motion; a linear model by 0.6 % 0.02 s ahead, by 28 % 10 s ahead`: the
 /// column that is predicted worst so far ahead, among the records that the model has not seen if there are any.
-pub(crate) fn words(all: &[Horizon], unseen: &[&str]) -> Option<String> {
-    let curve = worst(all, unseen);
+pub(crate) fn words(all: &[Horizon], records: &[RecordFit]) -> Option<String> {
+    let curve = worst(all, records);
     let (first, worst) = (curve.first()?, curve.last()?);
     let percent = |part: f64| format!("{} %", short(two_digits(100.0 * part)));
     let (near, far) = (short(first.seconds), short(worst.seconds));
@@ -35,8 +36,10 @@ fn two_digits(x: f64) -> f64 {
 }
 
 /// The horizons of the column that is predicted worst.
-fn worst<'a>(all: &'a [Horizon], unseen: &[&str]) -> Vec<&'a Horizon> {
-    let judged = |h: &&Horizon| unseen.is_empty() || unseen.contains(&h.record.as_str());
+fn worst<'a>(all: &'a [Horizon], records: &[RecordFit]) -> Vec<&'a Horizon> {
+    let unseen = |r: &&RecordFit| r.role == Role::Validate;
+    let is = |h: &Horizon| records.iter().filter(unseen).any(|r| r.name == h.record);
+    let judged = |h: &&Horizon| !records.iter().any(|r| unseen(&r)) || is(h);
     let farthest = all.iter().filter(judged).map(|h| h.seconds).fold(0.0, f64::max);
     let last = all.iter().filter(judged).filter(|h| h.seconds == farthest);
     let Some(worst) = last.max_by(|a, b| a.nrmse.total_cmp(&b.nrmse)) else { return vec![] };
@@ -44,9 +47,9 @@ fn worst<'a>(all: &'a [Horizon], unseen: &[&str]) -> Vec<&'a Horizon> {
 }
 
 /// The same as a curve over the time ahead; `None` for fewer than two points.
-pub(crate) fn chart(all: &[Horizon], unseen: &[&str], sheet: Sheet) -> Option<(Chart, String)> {
-    let curve = worst(all, unseen);
-    let said = words(all, unseen).filter(|_| curve.len() > 1)?;
+pub(crate) fn chart(all: &[Horizon], records: &[RecordFit], sheet: Sheet) -> Option<(Chart, String)> {
+    let curve = worst(all, records);
+    let said = words(all, records).filter(|_| curve.len() > 1)?;
     let line = |of: &dyn Fn(&Horizon) -> Option<f64>| -> Vec<(f64, f64)> {
         let points = curve.iter().filter_map(|h| Some((h.seconds, 100.0 * of(h)?)));
         points.filter(|p| p.1 > 0.0 && p.1.is_finite()).collect()

@@ -51,5 +51,5 @@ pub use input::{Ending, Input, Invocation, StopReason};
 pub use next::{NextReport, Outcome as PlannedOutcome, Plan, Predicted, QuantityShown, model_name};
 pub use run::RunReport;
 pub use seen::Shown;
-pub use sketch::{Drawn, DrawnBody, DrawnEnd, DrawnPart, drawn, drawn_style, sketch};
+pub use sketch::{EditableSketch, SketchBody, SketchEnd, SketchPart, editable_sketch, sketch, sketch_style};
 pub use terminal::Look;

@@ -12,6 +12,7 @@ mod acting;
 mod below;
 mod blocks;
 mod canvas;
+mod editable;
 mod found;
 mod layout;
 mod linear;
@@ -24,7 +25,6 @@ mod probe;
 mod read;
 mod row;
 mod scheme;
-mod shown;
 mod symbol;
 mod terms;
 #[cfg(test)]
@@ -35,6 +35,7 @@ use crate::chart::Chart;
 use crate::gap::GapReport;
 use crate::run::RunReport;
 use crate::terminal::Look;
+pub use editable::{EditableSketch, SketchBody, SketchEnd, SketchPart, editable_sketch};
 pub(crate) use moving::Moving;
 use number::Numbers;
 use phisindy_learn::FoundParameter;
@@ -42,14 +43,13 @@ use phisindy_phys::spec::Spec;
 use phisindy_phys::{Case, System};
 use read::Reading;
 use scheme::{Known, Scheme};
-pub use shown::{Drawn, DrawnBody, DrawnEnd, DrawnPart, drawn};
 use std::collections::HashMap;
 
 /// The style sheet of sketches, beside that of charts.
 pub(crate) const STYLE: &str = include_str!("sketch/sketch.css");
 
-/// The style sheet of a page with the sketch of [`drawn`].
-pub fn drawn_style() -> String {
+/// The style sheet of a page with an [`editable_sketch`].
+pub fn sketch_style() -> String {
     format!("{}{STYLE}", crate::chart::STYLE)
 }
 

@@ -1,5 +1,8 @@
 //! Tables as text with aligned columns, and numbers with few digits.
 
+/// Half width of a 95 % interval of the normal distribution, in standard deviations.
+pub(crate) const REACH: f64 = 1.96;
+
 /// The rows as lines; every column is as wide as its widest cell.
 pub fn aligned(rows: &[Vec<String>]) -> Vec<String> {
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);

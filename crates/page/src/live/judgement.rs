@@ -10,25 +10,30 @@ use phisindy_phys::Sources;
 use phisindy_report::{Coverage, coverage};
 use serde_json::{Value, json};
 use std::io;
-use tempfile::TempDir;
+use std::path::Path;
 
 /// The judgement of a file of the folder, by the model of a spec of it or by a draft. What is judged is a copy of its
 /// newest stretch: the file itself changes while it is read.
-pub(crate) fn of(folder: &Working, name: &str, spec: Option<&str>, request: &Request) -> Value {
-    let snapshot = || -> io::Result<(TempDir, usize)> {
+pub(crate) fn of(
+    folder: &Working,
+    (name, spec): (&str, Option<&str>),
+    request: &Request,
+    place: &Path,
+) -> Value {
+    let copy = place.join(name);
+    let snapshot = || -> io::Result<usize> {
         let (text, left_out) = snapshot::of(&folder.file(name).map_err(io::Error::other)?)?;
-        let place = tempfile::tempdir()?;
-        std::fs::write(place.path().join(name), text)?;
-        Ok((place, left_out))
+        std::fs::write(&copy, text)?;
+        Ok(left_out)
     };
-    let (place, left_out) = match snapshot() {
-        Ok(made) => made,
+    let left_out = match snapshot() {
+        Ok(left_out) => left_out,
         Err(why) => {
             return json!({ "words": format!("`{name}` cannot be judged: {why}"), "forces": [], "curves": [] });
         }
     };
-    let seen = look(&place.path().join(name), name, &Value::Null, &Answers::default());
-    let told = |words: &str, forces: Vec<Value>| json!({ "words": words, "forces": forces, "curves": seen["preview"], "name": name, "left_out": left_out });
+    let seen = look(&copy, name, &Value::Null, &Answers::default());
+    let told = |words: &str, forces: Vec<Value>| json!({ "words": words, "forces": forces, "curves": seen["preview"], "left_out": left_out });
     let text = match spec {
         Some(spec) => folder.file(spec).and_then(|path| spec_text(&path).map_err(|d| d.message)),
         None => seen["spec"].as_str().map(str::to_owned).ok_or_else(|| message(&seen["diagnostics"])),
@@ -37,7 +42,7 @@ pub(crate) fn of(folder: &Working, name: &str, spec: Option<&str>, request: &Req
         Ok(text) => text,
         Err(why) => return told(&why, vec![]),
     };
-    let request = &Request { data: Some(place.path().to_owned()), ..request.clone() };
+    let request = &Request { data: Some(place.to_owned()), ..request.clone() };
     let (mut sources, mut found) = (Sources::default(), Vec::new());
     let by = folder.path().join(spec.unwrap_or("live.ron"));
     let Ok(loaded) = load_text(&by, text, request, Purpose::Gap, &mut sources, &mut found) else {

@@ -1,5 +1,6 @@
 //! What is judged of a file that grows: its heading, and the rows of its newest stretch that are whole.
 
+use super::row::{cells, first_number, is_row};
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom};
 use std::path::Path;
@@ -49,26 +50,6 @@ pub(super) fn of(path: &Path) -> io::Result<(Vec<u8>, usize)> {
 /// The lines that have an end.
 fn whole(bytes: &[u8]) -> impl Iterator<Item = &[u8]> {
     bytes.split_inclusive(|b| *b == b'\n').filter(|line| line.ends_with(b"\n"))
-}
-
-/// Whether a line holds numbers alone.
-fn is_row(line: &[u8]) -> bool {
-    let number = |b: &u8| b.is_ascii_digit() || b" \t\r\n,;.+-eENnAaIiFf".contains(b);
-    let line = line.trim_ascii();
-    line.first().is_some_and(|b| b.is_ascii_digit() || b"+-.".contains(b)) && line.iter().all(number)
-}
-
-fn cells(line: &[u8]) -> usize {
-    let separator = [b';', b'\t', b','].into_iter().find(|s| line.contains(s));
-    match separator {
-        Some(separator) => line.iter().filter(|b| **b == separator).count() + 1,
-        None => line.split(u8::is_ascii_whitespace).filter(|cell| !cell.is_empty()).count(),
-    }
-}
-
-fn first_number(line: &[u8]) -> f64 {
-    let cell = line.trim_ascii().split(|b| b" \t,;".contains(b)).next().unwrap_or_default();
-    std::str::from_utf8(cell).ok().and_then(|cell| cell.parse().ok()).unwrap_or(f64::NAN)
 }
 
 #[cfg(test)]

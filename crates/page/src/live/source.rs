@@ -1,5 +1,6 @@
 //! Where a growing record comes from, and its bytes as whole lines.
 
+use super::row::{cells, first_number};
 use phisindy::files::open_plain_file;
 use serial2::SerialPort;
 use std::fmt;
@@ -309,18 +310,14 @@ impl Stream {
 
 /// Whether the first line of a port is a whole one: who begins to listen may come in the middle of it. A heading has
 /// letters. A row has as many cells as the next, and its first number, the time, is one step before that of the next.
-fn begins_whole(lines: [&[u8]; 3]) -> bool {
-    let [first, second, third] = lines.map(|line| String::from_utf8_lossy(line).trim().to_owned());
-    if first.chars().any(|c| c.is_alphabetic() && !matches!(c, 'e' | 'E')) {
+fn begins_whole([first, second, third]: [&[u8]; 3]) -> bool {
+    if String::from_utf8_lossy(first).chars().any(|c| c.is_alphabetic() && !matches!(c, 'e' | 'E')) {
         return true;
     }
-    let cells = |line: &str| line.split([',', ';', '\t', ' ']).filter(|c| !c.is_empty()).count();
-    let time = |line: &str| line.split([',', ';', '\t', ' ']).next().and_then(|c| c.parse::<f64>().ok());
-    let steps = match (time(&first), time(&second), time(&third)) {
-        (Some(a), Some(b), Some(c)) if c > b => (b - a) > 0.0 && (b - a) <= 3.0 * (c - b),
-        _ => true,
-    };
-    cells(&first) == cells(&second) && steps
+    let [a, b, c] = [first, second, third].map(first_number);
+    // A first column that does not grow is no time.
+    let steps = if c > b { b - a > 0.0 && b - a <= 3.0 * (c - b) } else { true };
+    cells(first) == cells(second) && steps
 }
 
 #[cfg(test)]

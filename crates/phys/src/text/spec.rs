@@ -203,6 +203,14 @@ impl DataSpec {
             DataSpec::Synthetic(synthetic) => &synthetic.constants,
         }
     }
+
+    /// The record, where a file holds it.
+    pub fn of_file(&self) -> Option<&CsvSpec> {
+        match self {
+            DataSpec::Csv(csv) if !csv.in_memory => Some(csv),
+            _ => None,
+        }
+    }
 }
 
 /// What a record is for.

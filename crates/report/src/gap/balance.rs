@@ -2,14 +2,12 @@
 //! acceleration less the forces that the model knows.
 
 use crate::measured_force::{Acceleration, Body, Parts, SAMPLES};
+use crate::table::REACH;
 use phisindy_expr::{Id, Scratch, Tape};
 use phisindy_gap::{ForceHistory, Gap, Site, Step, force_history};
 use phisindy_learn::{FoundParameter, parameter_values};
 use phisindy_phys::unit::Unit;
 use phisindy_phys::{Record, System};
-
-/// Half width of a 95 % interval of the normal distribution, in standard deviations.
-const REACH: f64 = 1.96;
 
 /// The force of a step in one record.
 pub(crate) struct RecordForce {

@@ -84,17 +84,12 @@ pub(crate) fn text(report: &GapReport<'_>) -> String {
         let role = if c.role == Role::Fit { "fit" } else { "validate" };
         out.push(format!("{} ({role}): NRMSE of {} {:.4} -> {:.4}", c.record, c.column, c.before, c.after));
     }
-    out.extend(horizon::words(&found.horizon, &unseen(found)));
+    out.extend(horizon::words(&found.horizon, &found.simulated.records));
     out.extend(how.stopped_words().map(|stopped| format!("{stopped} before the end; so far:")));
     out.extend(report.planned.map(|planned| planned.sentence.clone()));
     out.push(format!("{}: {}", found.status.name(), outcome(found)));
     out.push(format!("{:.1} s", how.seconds));
     out.join("\n") + "\n"
-}
-
-/// Names of the records that no model was fitted to.
-pub(crate) fn unseen(found: &Gap) -> Vec<&str> {
-    found.simulated.records.iter().filter(|r| r.role == Role::Validate).map(|r| r.name.as_str()).collect()
 }
 
 /// The gap of the model as it is, and after each step.

@@ -9,7 +9,7 @@ use super::{force, hero, map, mathml, missing_force, motion, next, reproduction,
 use crate::chart::{Sheet, digits};
 use crate::equation::equations_of;
 use crate::format::{capital, role_name as role};
-use crate::gap::{Balance, Finding, GapReport, balance, finding, remarks, rivals, symbol, unseen};
+use crate::gap::{Balance, Finding, GapReport, balance, finding, remarks, rivals, symbol};
 use crate::horizon;
 use crate::input::{Ending, Invocation};
 use crate::markup::{Element, element};
@@ -49,7 +49,7 @@ pub(crate) fn page(report: &GapReport<'_>, invocation: &Invocation) -> Page {
     page.section("Where the gap sits", located(found).into_iter().chain(maps));
     page.figures("Measured against simulated", |sheet| motion::charts(&seen, sheet));
     page.figures("How far it predicts", |sheet| {
-        horizon::chart(&found.horizon, &unseen(found), sheet).into_iter().collect()
+        horizon::chart(&found.horizon, &found.simulated.records, sheet).into_iter().collect()
     });
     page.section("Records", [records(found), repeatability(found)].into_iter().flatten());
     page.figures("What is left", |sheet| residual::charts(&seen, sheet));

@@ -3,6 +3,7 @@
 use super::table::unit;
 use crate::chart::{Axis, Chart, Mark, Panel, Place, Sheet, Swatch, digits, legend};
 use crate::seen::{Column, Model, Part, Seen};
+use crate::table::REACH;
 use phisindy_phys::spec::Role;
 use phisindy_signal::autocorrelation;
 
@@ -13,8 +14,6 @@ const SHARE: f64 = 0.63;
 const BETWEEN: f64 = 10.0;
 /// Below each row, for ticks and a label.
 const BELOW: f64 = 62.0;
-/// Half width of a 95 % interval of the normal distribution, in standard deviations.
-const REACH: f64 = 1.96;
 /// Most lags shown.
 const LAGS: usize = 160;
 

@@ -32,10 +32,8 @@ pub(crate) fn page(report: &RunReport<'_>, invocation: &Invocation) -> Page {
     page.section("Coefficients", coefficients(report));
     page.section("Parameters", parameters(&found.parameters));
     page.figures("Measured against simulated", |sheet| motion::charts(&seen, sheet));
-    let unseen = found.records.iter().filter(|r| r.role == Role::Validate);
-    let unseen: Vec<&str> = unseen.map(|r| r.name.as_str()).collect();
     page.figures("How far it predicts", |sheet| {
-        horizon::chart(&found.horizon, &unseen, sheet).into_iter().collect()
+        horizon::chart(&found.horizon, &found.records, sheet).into_iter().collect()
     });
     page.section("Records", records(report));
     page.section("Numbers of their own", adapted(report));

@@ -29,19 +29,20 @@ impl<'a> LocalCubic<'a> {
         if time.len() < 4 * SIDES.0 || step.is_nan() || step <= 0.0 {
             return None;
         }
-        // Standard deviation of the derivatives of a parabola through n samples: sqrt(720/n^5) and
-        // sqrt(12/n^3) of that of a sample, per step squared and per step (Savitzky and Golay 1964).
-        let error = |side: usize| {
-            let n = (2 * side + 1) as f64;
-            noise
-                * if twice {
-                    720f64.sqrt() / n.powf(2.5) / step.powi(2)
-                } else {
-                    12f64.sqrt() / n.powf(1.5) / step
-                }
-        };
-        let side = (SIDES.0..most).find(|&side| error(side) <= GOAL).unwrap_or(most);
-        Some(LocalCubic { time, values, side, step })
+        let with = |side: usize| LocalCubic { time, values, side, step };
+        let error = |side: &usize| noise * with(*side).error(1 + usize::from(twice));
+        Some(with((SIDES.0..most).find(|side| error(side) <= GOAL).unwrap_or(most)))
+    }
+
+    /// Standard deviation of its value (0), slope (1) or curvature (2) over that of a sample: of a parabola through n
+    /// samples 1/sqrt(n), sqrt(12/n^3) and sqrt(720/n^5), per step and per step squared (Savitzky and Golay 1964).
+    pub(crate) fn error(&self, order: usize) -> f64 {
+        let n = (2 * self.side + 1) as f64;
+        match order {
+            0 => n.powf(-0.5),
+            1 => 12f64.sqrt() / n.powf(1.5) / self.step,
+            _ => 720f64.sqrt() / n.powf(2.5) / self.step.powi(2),
+        }
     }
 
     /// Half the length of the window (s).

@@ -9,7 +9,6 @@ use crate::format::role_name as role;
 use crate::horizon;
 use crate::table::{aligned, interval, short};
 use phisindy_learn::{Estimate, Verdict, Warning};
-use phisindy_phys::spec::Role;
 
 /// Equations as LaTeX, all else as comments.
 pub(crate) fn latex(report: &RunReport<'_>) -> String {
@@ -55,9 +54,7 @@ fn details(report: &RunReport<'_>) -> Vec<String> {
     };
     lines.push(format!("{verdict} (method {}, {:.1} s)", found.method.name(), report.ending.seconds));
     lines.push(report.basis());
-    let unseen = found.records.iter().filter(|r| r.role == Role::Validate);
-    let unseen: Vec<&str> = unseen.map(|r| r.name.as_str()).collect();
-    lines.extend(horizon::words(&found.horizon, &unseen));
+    lines.extend(horizon::words(&found.horizon, &found.records));
     lines.extend(report.planned.iter().map(|planned| planned.sentence.clone()));
     let mut section = |rows: Vec<Vec<String>>| {
         if rows.len() > 1 {

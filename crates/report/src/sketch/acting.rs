@@ -23,22 +23,19 @@ pub(super) struct View<'a> {
     pub(super) bases: &'a [(Option<usize>, Option<usize>)],
 }
 
-/// The constants that an expression is made of.
-pub(super) fn constants(system: &mut System, probe: &Probe, node: Id) -> Vec<String> {
-    let all = system.parameters.iter().map(|p| (p.node, p.name.clone()));
-    let all = all.chain(system.record_constants.iter().map(|(name, node)| (*node, name.clone())));
-    let (nodes, names): (Vec<Id>, Vec<String>) = all.unzip();
-    let slopes = system.graph.gradient(node, &nodes);
-    let one = system.graph.constant(1.0);
-    // `k + h - h` is of `k` alone.
-    let told = names.into_iter().zip(slopes).filter(|(_, slope)| !probe.nothing(&system.graph, *slope, one));
-    told.map(|(name, _)| name).collect()
-}
-
 impl View<'_> {
     /// The constants that an expression is made of.
     pub(super) fn constants(&mut self, node: Id) -> Vec<String> {
-        constants(self.system, self.probe, node)
+        let system = &mut *self.system;
+        let all = system.parameters.iter().map(|p| (p.node, p.name.clone()));
+        let all = all.chain(system.record_constants.iter().map(|(name, node)| (*node, name.clone())));
+        let (nodes, names): (Vec<Id>, Vec<String>) = all.unzip();
+        let slopes = system.graph.gradient(node, &nodes);
+        let one = system.graph.constant(1.0);
+        // `k + h - h` is of `k` alone.
+        let told = names.into_iter().zip(slopes);
+        let told = told.filter(|(_, slope)| !self.probe.nothing(&self.system.graph, *slope, one));
+        told.map(|(name, _)| name).collect()
     }
 
     pub(super) fn displacement(&self, body: usize) -> Option<Id> {

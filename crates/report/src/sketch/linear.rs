@@ -71,15 +71,11 @@ fn add_order(view: &mut View<'_>, sums: &[Id], order: usize, numbers: &Numbers, 
             {
                 let body = if view.bodies[i].turns { j } else { i };
                 let said = label(view, numbers, (own[body], units), body);
-                scheme.add(kind, ends, said, Known::Stated);
-                let constants = view.constants(own[body]);
-                scheme.uses(kind, ends, constants);
+                scheme.state(kind, ends, said, view.constants(own[body]));
                 (left[i], left[j]) = (zero, zero);
             } else if both && (of_rates || view.probe.same(&view.system.graph, a, b)) {
                 let said = if of_rates { vec![] } else { label(view, numbers, (a, units), i) };
-                scheme.add(kind, ends, said, Known::Stated);
-                let constants = view.constants(a);
-                scheme.uses(kind, ends, constants);
+                scheme.state(kind, ends, said, view.constants(a));
                 left[i] = view.system.graph.sub(left[i], a);
                 left[j] = view.system.graph.sub(left[j], b);
             } else {
@@ -106,9 +102,7 @@ fn add_order(view: &mut View<'_>, sums: &[Id], order: usize, numbers: &Numbers, 
             if probe.positive(graph, slope, slope) && probe.positive(graph, rest, left[i]) && left[i] != zero
             {
                 let said = label(view, numbers, (slope, units), i);
-                scheme.add(kind, (End::Base(base), End::Body(i)), said, Known::Stated);
-                let constants = view.constants(slope);
-                scheme.uses(kind, (End::Base(base), End::Body(i)), constants);
+                scheme.state(kind, (End::Base(base), End::Body(i)), said, view.constants(slope));
                 left[i] = rest;
             } else {
                 push(view, i, sums[i], (input, moved), scheme);
@@ -116,9 +110,7 @@ fn add_order(view: &mut View<'_>, sums: &[Id], order: usize, numbers: &Numbers, 
         }
         if left[i] != zero && !view.probe.nothing(&view.system.graph, left[i], own[i]) {
             let said = label(view, numbers, (left[i], units), i);
-            scheme.add(kind, (End::Ground, End::Body(i)), said, Known::Stated);
-            let constants = view.constants(left[i]);
-            scheme.uses(kind, (End::Ground, End::Body(i)), constants);
+            scheme.state(kind, (End::Ground, End::Body(i)), said, view.constants(left[i]));
         }
     }
 }

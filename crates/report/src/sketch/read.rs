@@ -1,6 +1,6 @@
 //! The parts of a system.
 
-use super::acting::{Acting, View, constants};
+use super::acting::{Acting, View};
 use super::linear::{self, Forces};
 use super::moving::{Moving, bodies, varying};
 use super::named::{Named, named};
@@ -62,11 +62,6 @@ impl Reading {
         (View { system, probe, bodies, bases }, scheme, numbers)
     }
 
-    /// The constants that an expression is made of.
-    pub(super) fn constants(&mut self, node: Id) -> Vec<String> {
-        constants(&mut self.system, &self.probe, node)
-    }
-
     fn add_bodies(&mut self, plans: &[RecordPlan]) {
         for body in &self.bodies {
             let system = &self.system;
@@ -121,8 +116,8 @@ impl Reading {
                     scheme.push(body, if said.is_empty() { "force".to_owned() } else { said }, Known::Stated);
                 }
                 Acting::Between(kind, ends) => {
-                    scheme.add(kind, ends, line(formula(view.system, force)), Known::Stated);
-                    scheme.uses(kind, ends, view.constants(force));
+                    let said = line(formula(view.system, force));
+                    scheme.state(kind, ends, said, view.constants(force));
                 }
             }
         }

@@ -135,30 +135,38 @@ pub(crate) struct Block {
     pub(crate) known: Known,
 }
 
+/// Adds what is not there yet.
+fn add_new(all: &mut Vec<String>, new: Vec<String>) {
+    for text in new {
+        if !all.contains(&text) {
+            all.push(text);
+        }
+    }
+}
+
 impl Scheme {
     /// Adds an element; one of the same kind at the same place gets its words, and a contact without words its answer.
     pub(crate) fn add(&mut self, kind: Kind, ends: (End, End), words: Vec<String>, known: Known) {
-        let ends = if ends.0 <= ends.1 { ends } else { (ends.1, ends.0) };
-        let bare = |e: &Part| e.words.is_empty() && e.known <= known;
-        let same = |e: &&mut Part| e.kind == kind && e.ends == ends && (e.known == known || bare(e));
-        match self.elements.iter_mut().find(same) {
-            Some(part) => {
-                part.known = known;
-                let new: Vec<String> = words.into_iter().filter(|w| !part.words.contains(w)).collect();
-                part.words.extend(new);
-            }
-            None => self.elements.push(Part { kind, ends, words, known, constants: vec![] }),
-        }
+        self.part(kind, ends, words, known);
     }
 
-    /// Says of which constants the force of a part is.
-    pub(crate) fn uses(&mut self, kind: Kind, ends: (End, End), constants: Vec<String>) {
+    /// Adds an element that the spec states, with the constants of its force.
+    pub(crate) fn state(&mut self, kind: Kind, ends: (End, End), words: Vec<String>, constants: Vec<String>) {
+        add_new(&mut self.part(kind, ends, words, Known::Stated).constants, constants);
+    }
+
+    fn part(&mut self, kind: Kind, ends: (End, End), words: Vec<String>, known: Known) -> &mut Part {
         let ends = if ends.0 <= ends.1 { ends } else { (ends.1, ends.0) };
-        let of = |p: &&mut Part| p.kind == kind && p.ends == ends && p.known == Known::Stated;
-        if let Some(part) = self.elements.iter_mut().find(of) {
-            let new: Vec<String> = constants.into_iter().filter(|c| !part.constants.contains(c)).collect();
-            part.constants.extend(new);
-        }
+        let bare = |e: &Part| e.words.is_empty() && e.known <= known;
+        let same = |e: &Part| e.kind == kind && e.ends == ends && (e.known == known || bare(e));
+        let place = self.elements.iter().position(same).unwrap_or_else(|| {
+            self.elements.push(Part { kind, ends, words: vec![], known, constants: vec![] });
+            self.elements.len() - 1
+        });
+        let part = &mut self.elements[place];
+        part.known = known;
+        add_new(&mut part.words, words);
+        part
     }
 
     /// Adds a force from outside; a body has one arrow for all.

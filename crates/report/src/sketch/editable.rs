@@ -11,13 +11,13 @@ use phisindy_phys::Case;
 use phisindy_phys::spec::Spec;
 
 /// A sketch whose parts can be pointed at.
-pub struct Drawn {
+pub struct EditableSketch {
     /// The picture; the group of each part and body has its key as `data-part`.
     pub svg: String,
     /// Springs, dampers, contacts, ...
-    pub parts: Vec<DrawnPart>,
+    pub parts: Vec<SketchPart>,
     /// What moves.
-    pub bodies: Vec<DrawnBody>,
+    pub bodies: Vec<SketchBody>,
     /// The forces from outside, in words.
     pub pushes: Vec<String>,
     /// The supports that move: displacement and speed, where they are inputs.
@@ -26,7 +26,7 @@ pub struct Drawn {
 
 /// A part of a sketch.
 #[derive(Clone, Debug, PartialEq)]
-pub struct DrawnPart {
+pub struct SketchPart {
     /// Unique in its sketch.
     pub key: String,
     /// What it is, in words.
@@ -36,25 +36,25 @@ pub struct DrawnPart {
     /// Whether the spec asks for it, and does not state it.
     pub sought: bool,
     /// Its ends; the first is the ground or a support where there is one.
-    pub ends: [DrawnEnd; 2],
+    pub ends: [SketchEnd; 2],
     /// Its constants.
     pub constants: Vec<String>,
 }
 
 /// Where a part ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum DrawnEnd {
+pub enum SketchEnd {
     /// At rest.
     Ground,
-    /// One of [`Drawn::bases`].
+    /// One of [`EditableSketch::bases`].
     Base(usize),
-    /// One of [`Drawn::bodies`].
+    /// One of [`EditableSketch::bodies`].
     Body(usize),
 }
 
 /// A body of a sketch.
 #[derive(Clone, Debug, PartialEq)]
-pub struct DrawnBody {
+pub struct SketchBody {
     /// Unique in its sketch.
     pub key: String,
     /// What it is, in words.
@@ -72,14 +72,15 @@ pub struct DrawnBody {
 }
 
 /// The sketch of a case for a page; none where there is nothing to draw.
-pub fn drawn(spec: &Spec, case: &Case) -> Option<Drawn> {
+pub fn editable_sketch(spec: &Spec, case: &Case) -> Option<EditableSketch> {
     let mut reading = Reading::new(spec, case, Numbers::default());
     found::add_sought(&mut reading, case);
     if reading.scheme.bodies.is_empty() && reading.scheme.blocks.is_empty() {
         return None;
     }
     let masses: Vec<_> = reading.bodies.iter().map(|b| b.mass).collect();
-    let masses: Vec<_> = masses.into_iter().map(|m| m.map_or(vec![], |m| reading.constants(m))).collect();
+    let (mut view, ..) = reading.view();
+    let masses: Vec<_> = masses.into_iter().map(|m| m.map_or(vec![], |m| view.constants(m))).collect();
     let Reading { system, bodies, bases, scheme, .. } = &reading;
     let canvas: Canvas = layout::drawn(scheme);
     let (wide, high) = layout::size(&canvas);
@@ -96,7 +97,7 @@ pub fn drawn(spec: &Spec, case: &Case) -> Option<Drawn> {
     let body = |(k, (body, shown)): (usize, (&Moving, &Body))| {
         let mass = body.mass.map(|mass| system.graph.text(mass, &system.names));
         let of = if shown.inertia.is_empty() { "mass without a name" } else { &shown.inertia };
-        DrawnBody {
+        SketchBody {
             key: End::Body(k).key(),
             title: format!("body {}, {of}", shown.name),
             displacement: body.displacement.map(name),
@@ -110,11 +111,11 @@ pub fn drawn(spec: &Spec, case: &Case) -> Option<Drawn> {
         }
     };
     let end = |end: End| match end {
-        End::Ground => DrawnEnd::Ground,
-        End::Base(k) => DrawnEnd::Base(k),
-        End::Body(k) => DrawnEnd::Body(k),
+        End::Ground => SketchEnd::Ground,
+        End::Base(k) => SketchEnd::Base(k),
+        End::Body(k) => SketchEnd::Body(k),
     };
-    let part = |part: &Part| DrawnPart {
+    let part = |part: &Part| SketchPart {
         key: part.key(),
         title: text::of_part(scheme, part).words,
         kind: part.kind.word(),
@@ -123,7 +124,7 @@ pub fn drawn(spec: &Spec, case: &Case) -> Option<Drawn> {
         constants: part.constants.clone(),
     };
     let input = |u: usize| system.inputs[u].name.clone();
-    Some(Drawn {
+    Some(EditableSketch {
         svg: svg.to_string(),
         parts: scheme.elements.iter().filter(|p| p.kind != Kind::Link).map(part).collect(),
         bodies: bodies.iter().zip(&scheme.bodies).enumerate().map(body).collect(),
