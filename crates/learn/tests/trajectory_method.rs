@@ -448,3 +448,30 @@ fn a_trial_ends_at_the_minimum_of_a_sensitive_motion() {
         assert!((plain - thorough).abs() < 1.0, "{plain} {thorough}");
     }
 }
+
+/// Prey and predators (Lotka and Volterra) with 10 % noise: of six candidates in each equation the first starts lead to
+/// no term at all. The search goes on from the next ones.
+#[test]
+fn a_start_that_leads_to_no_term_ends_no_search() {
+    let spec = r#"( states: { "x": "", "y": "" }, known: { "x": "0", "y": "0" },
+        unknown: { "x": (candidates: ["1", "x", "y", "x*x", "x*y", "y*y"]), "y": (candidates: ["1", "x", "y", "x*x", "x*y", "y*y"]) },
+        data: [ Synthetic(truth: { "x": "1.84*x - 1.45*x*y", "y": "-3*y + 1.66*x*y" }, start: { "x": 8.85, "y": 3.4 },
+            duration: 8.0, step: 0.0671, noise: Relative(0.1), seed: 1) ] )"#;
+    let (case, records) = common::load_text(spec, &[]);
+    let terms: Vec<usize> = run(&case, &records).terms.iter().map(|t| t.term).collect();
+    assert_eq!(terms, [1, 4, 8, 10]);
+}
+
+/// A term that takes the place of another begins at its promised coefficient: from zero this swing has another
+/// frequency, and a fit that begins there does not find back.
+#[test]
+fn a_sine_that_does_as_well_as_a_small_swing_is_told() {
+    let spec = r#"( states: { "x": "", "y": "" }, known: { "x": "0", "y": "0" },
+        unknown: { "x": (candidates: ["y", "sin(y)"]), "y": (candidates: ["x", "sin(x)"]) },
+        data: [ Synthetic(truth: { "x": "y", "y": "-2.1*x" }, start: { "x": 0.4, "y": -0.03 },
+            duration: 8.0, step: 0.0671, noise: Relative(0.1), seed: 5) ] )"#;
+    let (case, records) = common::load_text(spec, &[]);
+    let found = run(&case, &records);
+    let told = found.warnings.iter().any(|w| matches!(w, Warning::Alternative { .. }));
+    assert!(found.terms.len() == 2 && told, "{:?}", found.warnings);
+}
