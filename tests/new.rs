@@ -31,6 +31,12 @@ fn noise(k: usize, size: f64) -> f64 {
             - 0.5)
 }
 
+/// The value of a parameter in the text of `run`.
+fn fitted(run: &Outcome, name: &str) -> f64 {
+    let line = run.out.lines().find(|l| l.starts_with(&format!("% {name} "))).expect(name);
+    line.split_whitespace().nth(3).and_then(|v| v.parse().ok()).unwrap_or(f64::NAN)
+}
+
 /// `new` on a file with this content, then `check` on what it wrote: the spec and what was said.
 #[track_caller]
 fn made(name: &str, content: &[u8]) -> (Scratch, String, Outcome) {
@@ -829,10 +835,7 @@ fn an_accelerometer_alone_is_drafted_and_identified() {
     assert_eq!(new.code, 0, "{}", new.err);
     let run = phisindy(&["run", &spec]);
     assert_eq!(run.code, 0, "{}{}", run.out, run.err);
-    let value = |name: &str| -> f64 {
-        let line = run.out.lines().find(|l| l.starts_with(&format!("% {name} "))).expect(name);
-        line.split_whitespace().nth(3).and_then(|v| v.parse().ok()).unwrap_or(f64::NAN)
-    };
+    let value = |name: &str| fitted(&run, name);
     assert!((value("m") / 2.0 - 1.0).abs() < 0.02 && (value("k") / 700.0 - 1.0).abs() < 0.02, "{}", run.out);
     assert!((value("a.offset") - 9.80665).abs() < 0.05, "{}", run.out);
 }
@@ -861,6 +864,42 @@ fn go_leads_from_a_data_file_to_a_report() {
     assert!(again.code == 0 && !again.err.contains("no data file"), "{}", again.err);
     let second = phisindy(&["go", &data, "--out", &out, "--limit", "3min"]);
     assert!(second.err.contains("is used as it is"), "{}", second.err);
+    // What is said of the file counts for a draft alone.
+    let other = phisindy(&["go", &data, "--out", &out, "--rig", "pendulum"]);
+    assert!(other.code == 2 && other.err.contains("would not count"), "{}", other.err);
+}
+
+/// Accelerometers on a body and on its base: the states are relative to the base.
+#[test]
+fn a_base_may_be_known_by_its_acceleration() {
+    // 1600/s^2 and 4/s, driven by two tones, in steps of 0.1 ms.
+    let shaken = |t: f64| 3.0 * (25.0 * t).sin() + 2.0 * (47.0 * t + 1.0).sin();
+    let (mut x, mut v, h) = (0.0, 0.0, 1e-4);
+    let rows: String = (0..4000)
+        .map(|k| {
+            let t = 0.002 * f64::from(k);
+            let row = format!(
+                "{t:.3},{:.5},{:.5}\n",
+                -1600.0 * x - 4.0 * v + noise(k as usize, 0.01),
+                shaken(t) + noise(k as usize + 7, 0.001)
+            );
+            for n in 0..20 {
+                v += h * (-1600.0 * x - 4.0 * v - shaken(t + h * f64::from(n)));
+                x += h * v;
+            }
+            row
+        })
+        .collect();
+    let scratch = Scratch::new("two-accelerometers");
+    let (data, spec) = (scratch.path("rig.csv"), scratch.path("rig.ron"));
+    std::fs::write(&data, format!("time_s,acc_mass_m/s^2,acc_base_m/s^2\n{rows}")).expect("a file");
+    let asked = phisindy(&["new", &data, "--out", &spec, "--force"]);
+    holds(&asked.err, &["Say `--rig base-excited` if it is"]);
+    let said = phisindy(&["new", &data, "--rig", "base-excited", "--out", &spec, "--force"]);
+    holds(&said.err, &["motion `acc_mass_m/s^2`, base `acc_base_m/s^2`: base-excited"]);
+    let run = phisindy(&["run", &spec]);
+    assert_eq!(run.code, 0, "{}{}", run.out, run.err);
+    assert!((fitted(&run, "k") / 1600.0 - 1.0).abs() < 0.01, "{}", run.out);
 }
 
 /// A slider on a spring as in other tests, with a force that moves it: times, places, forces.

@@ -484,6 +484,11 @@ pub(crate) struct Said {
 }
 
 impl Said {
+    /// Whether anything is said.
+    pub(crate) fn is_something(&self) -> bool {
+        self.answers() != Answers::default()
+    }
+
     /// For a draft.
     pub(crate) fn answers(&self) -> Answers {
         Answers {

@@ -104,10 +104,17 @@ impl<'s, 'a> Ending<'s, 'a> {
         self.warnings.extend(warning);
         let (status, determined) = self.doubts(status);
         let (status, alternative) = self.other_explanations(status, repeats, determined)?;
-        let determined = self.doubts_of_the_rest(status, determined);
-        if matches!(alternative, Some(Alternative::InputNoise(_))) && !self.interrupted() {
-            self.refit_with_random_force();
-        }
+        let determined =
+            if status == Status::Unexplained { determined.min(self.late_doubts()) } else { determined };
+        let (status, determined) = match alternative {
+            Some(Alternative::InputNoise(_)) if !self.interrupted() => {
+                self.refit_with_random_force();
+                let free = self.late_doubts();
+                let open = status == Status::Explained && free < self.last.model.effects.len();
+                (if open { Status::Undetermined } else { status }, determined.min(free))
+            }
+            _ => (status, determined),
+        };
         let found = |a: &Applied| a.effect.entry.id == DISCOVERED;
         let status = match status {
             Status::Explained if self.last.model.effects.iter().any(found) => Status::Described,
@@ -130,8 +137,10 @@ impl<'s, 'a> Ending<'s, 'a> {
             }
             other => other,
         };
-        // What is left of an answer is the noise of its inputs or the scatter of the rig: no force is there.
-        let none = none.filter(|p| *p <= 0.5 || !matches!(status, Status::Explained | Status::Described));
+        // What is left of an answer, or is no more than the noise of its inputs leaves, is no force.
+        let answered = matches!(status, Status::Explained | Status::Described)
+            || matches!(&alternative, Some(Alternative::InputNoise(n)) if n.left <= n.most);
+        let none = none.filter(|p| *p <= 0.5 || !answered);
         // What was stopped was not compared with all that could do as well.
         let status = match status {
             Status::Explained | Status::Described | Status::Named if self.interrupted() => {
@@ -290,19 +299,16 @@ impl<'s, 'a> Ending<'s, 'a> {
         (Status::Unexplained, determined)
     }
 
-    /// The number of effects that are free of doubt where some were dropped: the others have other numbers now.
-    fn doubts_of_the_rest(&mut self, status: Status, determined: usize) -> usize {
-        if status != Status::Unexplained {
-            return determined;
-        }
+    /// The number of effects that are free of doubt with the numbers that they have now; the others are told.
+    fn late_doubts(&mut self) -> usize {
         let late = vetoed(&self.last);
-        let first = late.iter().map(|(k, _)| *k).min().unwrap_or(determined);
+        let first = late.iter().map(|(k, _)| *k).min().unwrap_or(self.last.model.effects.len());
         let told = |v: &Vetoed| {
             self.warnings.iter().any(|w| matches!(w, Warning::Vetoed(told) if told.law == v.law))
         };
         let new: Vec<Vetoed> = late.into_iter().map(|(_, v)| v).filter(|v| !told(v)).collect();
         self.warnings.extend(new.into_iter().map(Warning::Vetoed));
-        determined.min(first)
+        first
     }
 
     /// Tests other explanations: fixed constants of the spec, a drive at another frequency, noise of inputs.

@@ -39,9 +39,10 @@ fn undetermined(last: &Fitted, applied: &Applied) -> Option<Veto> {
     if let Some(at_end) = parameter_at_end(last, applied, |found| found.at_bound) {
         return Some(at_end);
     }
-    // An interval from one bound to the other is what was known before. A coefficient for which a free
-    // constant of the model can stand, as the viscous part of a friction law beside a free damper, is theirs
-    // together: both are open.
+    // An interval from one bound to the other is what was known before, and of an inner number with a standard error
+    // above its value not even the order is known. With memory a coefficient is such a number too, for the states of
+    // the law move by it. A coefficient for which a free constant of the model can stand, as the viscous part of a
+    // friction law beside a free damper, is theirs together: both are open.
     let own = |p: &FoundParameter| {
         let all = last.model.effects.iter().flat_map(|a| &a.parameters);
         p.id.constant().is_some_and(|c| all.into_iter().any(|own| *own == c))
@@ -52,7 +53,12 @@ fn undetermined(last: &Fitted, applied: &Applied) -> Option<Veto> {
     let open = |&k: &usize| {
         let p = &law.parameters[k].1;
         let excused = p.each || p.whole || (shared && coefficients.contains(&k));
-        !excused && found(k).is_some_and(FoundParameter::reaches_both_bounds)
+        let no_order = |f: &FoundParameter| {
+            f.estimate.ci95.0 <= f.bounds.0 && f.estimate.std_error > f.estimate.value.abs()
+        };
+        let inner = law.has_memory() || !coefficients.contains(&k);
+        let unseen = |f: &FoundParameter| f.reaches_both_bounds() || (inner && no_order(f));
+        !excused && found(k).is_some_and(unseen)
     };
     if let Some(k) = (0..law.parameters.len()).find(open) {
         return Some(Veto::NotSeen(law.parameters[k].0.clone()));

@@ -393,6 +393,7 @@ impl Draft {
         let (base, force) = match self.roles.input {
             Input::None => (None, None),
             Input::Base(c) => (Some(column(c)), None),
+            Input::BaseAcceleration(c) => (Some(twice_integrated(&time, &column(c))), None),
             Input::Force(c) | Input::Drive(c) | Input::Reaction(c) => (None, Some(column(c))),
         };
         let whole = self.displacement_range();

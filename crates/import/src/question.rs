@@ -151,9 +151,7 @@ impl Question {
                     .to_owned()
             }
             Question::Drive { beside: Some(_), .. } => {
-                "a base that is known by its acceleration is written by hand: an input `ab`, states z and v relative to the \
-                 base, `\"v\": \"-c*v - k*z - ab\"`, the output `rate(v) + ab`; say `--rig free` if nothing drives it"
-                    .to_owned()
+                "say `--rig base-excited` if it is, `--rig free` if nothing drives it"                    .to_owned()
             }
             Question::Drive { beside: None, .. } => {
                 "give a file with the force, the current or the motion of the base beside it, \

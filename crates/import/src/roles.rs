@@ -17,6 +17,8 @@ pub enum Input {
     None,
     /// The motion of the base.
     Base(usize),
+    /// The acceleration of the base, beside that of the body.
+    BaseAcceleration(usize),
     /// A force or a torque.
     Force(usize),
     /// A signal in proportion to a force, such as a voltage.
@@ -30,7 +32,11 @@ impl Input {
     pub fn column(self) -> Option<usize> {
         match self {
             Input::None => None,
-            Input::Base(k) | Input::Force(k) | Input::Drive(k) | Input::Reaction(k) => Some(k),
+            Input::Base(k)
+            | Input::BaseAcceleration(k)
+            | Input::Force(k)
+            | Input::Drive(k)
+            | Input::Reaction(k) => Some(k),
         }
     }
 }
@@ -224,7 +230,11 @@ impl Guess<'_> {
         velocities.extend(derivatives);
         displacements.retain(|p| !velocities.contains(p));
         let (displacement, base, mut input_doubt) = self.body_and_base(&displacements);
-        let (base, wheel) = self.said_base(&displacements, displacement, base)?;
+        let shaken = self.said_base_acceleration(&displacements, &velocities, &accelerations);
+        let (base, wheel) = match shaken {
+            Some(_) => (None, None),
+            None => self.said_base(&displacements, displacement, base)?,
+        };
         if self.rig.is_some() {
             input_doubt = None;
         }
@@ -234,7 +244,8 @@ impl Guess<'_> {
         let velocity = displacement.is_none().then(|| self.most_moving(&velocities)).flatten();
         let is_angle = displacement.or(velocity).is_some_and(|k| self.is_angle(k));
         let moves = displacement.is_some() || velocity.is_some();
-        let acceleration = (!moves).then(|| self.most_moving(&accelerations)).flatten();
+        let of_body: Vec<usize> = accelerations.iter().copied().filter(|k| Some(*k) != shaken).collect();
+        let acceleration = (!moves).then(|| self.most_moving(&of_body)).flatten();
         if !moves && acceleration.is_none() {
             return Err(NoMotion::NoSignal);
         }
@@ -261,6 +272,9 @@ impl Guess<'_> {
         };
         if let (Some(Rig::Tester), Some(k)) = (self.rig, force) {
             input = Input::Reaction(k);
+        }
+        if let Some(base) = shaken {
+            input = Input::BaseAcceleration(base);
         }
         if let (Input::Drive(k), None) = (input, &input_doubt) {
             input_doubt = Some(Doubt::Drive(raw(k)));
@@ -347,6 +361,20 @@ impl Guess<'_> {
         let turns = || self.named(k, ANGLES) || (!self.named(k, LENGTHS) && self.signals.iter().any(torque));
         matches!(self.quantity(k), Quantity::Angle | Quantity::AngularSpeed)
             || (self.is_unclear(k) && self.rig.and_then(Rig::turns).unwrap_or_else(turns))
+    }
+
+    /// The accelerometer on the base of a rig of which the user says that its base moves, where nothing but
+    /// accelerations is measured: the one whose name says so, or else the last.
+    fn said_base_acceleration(
+        &self,
+        displacements: &[usize],
+        velocities: &[usize],
+        accelerations: &[usize],
+    ) -> Option<usize> {
+        let alone = displacements.is_empty() && velocities.is_empty() && accelerations.len() > 1;
+        let (true, Some(Rig::BaseExcited)) = (alone, self.rig) else { return None };
+        let named = accelerations.iter().copied().find(|&k| self.named(k, BASES));
+        named.or(accelerations.last().copied())
     }
 
     /// The base, and the wheel before it, as the rig that the user says has them.

@@ -21,6 +21,8 @@ pub enum Usage {
     Velocity,
     /// The motion of the base, an input.
     Base,
+    /// The acceleration of the base, an input.
+    BaseAcceleration,
     /// The force, an input.
     Force,
     /// The drive, an input.
@@ -70,6 +72,7 @@ impl fmt::Display for Usage {
             Usage::Velocity => "the velocity",
             Usage::Accelerometer => "the acceleration, output a",
             Usage::Base => "the motion of the base, input u",
+            Usage::BaseAcceleration => "the acceleration of the base, input ab",
             Usage::Force => "the force, input F",
             Usage::Drive => "the drive, input F",
             Usage::Prescribed => "the motion that is prescribed, input x",
@@ -157,6 +160,7 @@ impl Usage {
         }
         match roles.input {
             Input::Base(b) if b == k => Some(Usage::Base),
+            Input::BaseAcceleration(b) if b == k => Some(Usage::BaseAcceleration),
             Input::Force(b) if b == k => Some(Usage::Force),
             Input::Drive(b) if b == k => Some(Usage::Drive),
             Input::Reaction(b) if b == k => Some(Usage::Reaction),

@@ -70,7 +70,7 @@ fn taken(content: &str) -> Result<Taken, String> {
     let motion = roles.displacement.or(roles.velocity).or(roles.acceleration).map_or(String::new(), column);
     let kind = match roles.input {
         Input::None => "",
-        Input::Base(_) => "base: ",
+        Input::Base(_) | Input::BaseAcceleration(_) => "base: ",
         Input::Force(_) => "force: ",
         Input::Drive(_) => "drive: ",
         Input::Reaction(_) => "reaction: ",

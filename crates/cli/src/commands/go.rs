@@ -4,7 +4,7 @@ use super::{gap, new};
 use crate::args::{GoArgs, NewArgs, Options};
 use crate::outdir::Results;
 use crate::terminal::{complain, remark};
-use anyhow::Result;
+use anyhow::{Result, anyhow};
 use phisindy_report::Folder;
 use std::ffi::OsString;
 use std::io::{self, IsTerminal};
@@ -32,14 +32,21 @@ pub(crate) fn command(args: &GoArgs, options: &Options) -> Result<u8> {
     Results::prepare(&out, &spec, options)?;
     // A spec that is there may hold edits: they count.
     if spec.exists() {
+        if args.said.is_something() {
+            return Err(anyhow!(
+                "`{0}` is there and is used as it is: what you say of the file would not count. Change its lines, or \
+                 delete it and type the same again",
+                spec.display()
+            ));
+        }
         say(options, &format!("{} is there and is used as it is", spec.display()));
     } else {
         say(options, &format!("looking at {}", path.display()));
         let draft = NewArgs { paths: args.paths.clone(), sheet: args.sheet.clone(), said: args.said.clone() };
-        let quiet = Options { quiet: true, out: Some(spec.clone()), ..options.clone() };
+        let drafting = Options { out: Some(spec.clone()), ..options.clone() };
         std::fs::create_dir_all(&out)?;
         // A search on what nobody knows would be one on an invention.
-        let code = new::written(&draft, &quiet, new::Purpose::Search);
+        let code = new::written(&draft, &drafting, new::Purpose::Search);
         if !matches!(code, Ok(0)) {
             // Only if there is nothing in it.
             let _ = std::fs::remove_dir(&out);

@@ -116,6 +116,8 @@ pub(crate) fn written(args: &NewArgs, options: &Options, purpose: Purpose) -> Re
         for (draft, file) in drafts.iter().zip(&files) {
             summary(draft, file).iter().for_each(|line| remark(line));
         }
+    }
+    if purpose == Purpose::Draft && !options.quiet {
         // A pipe, or a terminal that shows the spec itself, gets no picture of it.
         if let (Some(look), Some(_)) = (look(), out) {
             sketched(&text, look).iter().for_each(|line| remark(line));

@@ -129,7 +129,7 @@ impl Display for Veto {
             Veto::NotSeen(name) => {
                 write!(
                     f,
-                    "the records do not determine its {name}: the interval spans all that the law allows"
+                    "the records do not determine its {name}: of what the law allows, nothing near is excluded"
                 )
             }
             Veto::NeverSlips => f.write_str("its contact never slips: it stands for a spring"),
@@ -227,12 +227,15 @@ impl Display for DriveFrequency {
 
 impl Display for InputNoise {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        let left = match self.left <= self.alone {
+            true => format!("and no more is left ({:.2})", self.left),
+            false => format!("where {:.2} is left", self.left),
+        };
         write!(
             f,
-            "the noise of {} from sample to sample moves the model but not the rig: noise of this size alone leaves a gap of about {:.2}, where {:.2} is left; measure that input with less noise, or use what was commanded",
+            "the noise of {} from sample to sample moves the model but not the rig: noise of this size alone leaves a gap of about {:.2}, {left}; measure that input with less noise, or use what was commanded",
             self.inputs.join(" and "),
             self.alone,
-            self.left
         )
     }
 }

@@ -120,6 +120,7 @@ fn inputs(draft: &Draft, notation: &Notation, text: &mut String) {
         Input::Base(_) => {
             writeln!(text, "    inputs: {{ \"u\": \"{unit}\", \"du\": \"{velocity_unit}\" }},{doubt}")
         }
+        Input::BaseAcceleration(_) => writeln!(text, "    inputs: {{ \"ab\": \"{unit}\" }},{doubt}"),
         Input::Force(_) | Input::Drive(_) | Input::Reaction(_) => {
             writeln!(text, "    inputs: {{ \"F\": \"{unit}\" }},{doubt}")
         }
@@ -129,10 +130,16 @@ fn inputs(draft: &Draft, notation: &Notation, text: &mut String) {
 fn outputs(draft: &Draft, notation: &Notation, text: &mut String) {
     if draft.roles.acceleration.is_some() {
         let (unit, velocity) = (notation.acceleration_unit(), notation.velocity);
+        let base = if let Input::BaseAcceleration(_) = draft.roles.input { " + ab" } else { "" };
+        let of_base = if base.is_empty() {
+            ""
+        } else {
+            ", which is relative to the base, and the acceleration of the base"
+        };
         let _ = writeln!(
             text,
-            "    // The sensor reads the rate of {velocity}. It does not show a constant force, which shifts the rest as a zero error does, nor a slow drift.\n    \
-             outputs: {{ \"a\": (unit: \"{unit}\", reads: \"rate({velocity})\") }},"
+            "    // The sensor reads the rate of {velocity}{of_base}. It does not show a constant force, which shifts the rest as a zero error does, nor a slow drift.\n    \
+             outputs: {{ \"a\": (unit: \"{unit}\", reads: \"rate({velocity}){base}\") }},"
         );
     }
 }
@@ -164,6 +171,7 @@ fn known(draft: &Draft, notation: &Notation, text: &mut String) {
     let rate = match (draft.roles.input, notation.inertia) {
         (Input::Force(_), Some((mass, _))) => format!("(F {})/{mass}", rate.replacen('-', "- ", 1)),
         (Input::Drive(_), _) => format!("{rate} + b*F"),
+        (Input::BaseAcceleration(_), _) => format!("{rate} - ab"),
         _ => rate,
     };
     let _ = writeln!(
@@ -216,6 +224,8 @@ fn unknown(draft: &Draft, notation: &Notation, text: &mut String) {
         format!(
             "EDIT: it rubs on something at rest; on the base: \"{velocity}-du\" here, and sgn({velocity}-du) above"
         )
+    } else if let Input::BaseAcceleration(_) = draft.roles.input {
+        "it rubs on the base".to_owned()
     } else {
         "it rubs on something at rest".to_owned()
     };

@@ -55,6 +55,7 @@ impl Notation {
         let (input_unit, gain_unit) = match draft.roles.input {
             Input::None => (String::new(), String::new()),
             Input::Base(_) => (displacement_unit.clone(), String::new()),
+            Input::BaseAcceleration(_) => (format!("{displacement_unit}/s^2"), String::new()),
             Input::Force(_) | Input::Reaction(_) => {
                 (if draft.roles.is_angle { "N*m" } else { "N" }.to_owned(), String::new())
             }

@@ -1,6 +1,7 @@
 //! The comment at the head of a spec, and a summary for the terminal.
 
 use super::literals::four_digits;
+use super::quarter_car;
 use crate::draft::Draft;
 use crate::question::{OPEN_QUESTION, Question};
 use crate::roles::Input;
@@ -72,15 +73,20 @@ fn columns(draft: &Draft) -> Vec<String> {
 /// How often the motion is at rest.
 fn standstill(draft: &Draft) -> String {
     let (moving, stops) = (draft.raw(draft.moving()), &draft.stops);
+    let accelerates = draft.roles.acceleration == Some(draft.moving());
     if stops.fraction <= 0.01 {
-        return format!(
-            "`{moving}` does not stand still anywhere for long: it turns, but it does not stick."
-        );
+        return match accelerates {
+            true => format!("`{moving}` is nowhere zero for long: the body is never at rest."),
+            false => {
+                format!("`{moving}` does not stand still anywhere for long: it turns, but it does not stick.")
+            }
+        };
     }
     let step = draft.time.step * draft.factor(draft.time.column);
     let longest = stops.stretches.iter().map(|s| s.len()).max().unwrap_or(0) as f64 * step;
+    let rests = if accelerates { "is zero" } else { "stands still" };
     format!(
-        "`{moving}` stands still for {:.0} % of the first record, in {} stretches, the longest {} s: friction that sticks, or a pause.",
+        "`{moving}` {rests} for {:.0} % of the first record, in {} stretches, the longest {} s: friction that sticks, or a pause.",
         100.0 * stops.fraction,
         stops.stretches.len(),
         four_digits(longest)
@@ -140,6 +146,20 @@ fn capital(text: &str) -> String {
     letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }
 
+/// The rig that the draft is of, in words that begin with a name of [`Rig`](crate::Rig) where there is one.
+fn kind(draft: &Draft) -> &'static str {
+    match (draft.roles.input, draft.motion.is_pendulum, draft.roles.is_angle) {
+        (Input::Reaction(_), ..) => "a tester, whose motion is prescribed and meets the force",
+        (Input::Base(_), ..) if quarter_car::is_one(draft) => "a quarter-car",
+        (Input::Base(_) | Input::BaseAcceleration(_), ..) => "base-excited, a body on a base that moves",
+        (Input::None, true, _) => "a pendulum",
+        (Input::None, ..) => "free, nothing drives it",
+        (_, true, _) => "a robot-joint, which a drive turns and gravity pulls",
+        (_, false, true) => "a motor, which a drive turns",
+        (_, false, false) => "a slider, a body that a force or a drive moves",
+    }
+}
+
 /// A few lines on the file and on the roles of its columns.
 pub fn summary(draft: &Draft, file: &str) -> Vec<String> {
     let named = |c: usize| format!("`{}`", draft.raw(c));
@@ -150,12 +170,16 @@ pub fn summary(draft: &Draft, file: &str) -> Vec<String> {
     let mut taken = vec![time, format!("motion {}", named(draft.moving()))];
     taken.extend(match draft.roles.input {
         Input::None => None,
-        Input::Base(c) => Some(format!("base {}", named(c))),
+        Input::Base(c) | Input::BaseAcceleration(c) => Some(format!("base {}", named(c))),
         Input::Force(c) => Some(format!("force {}", named(c))),
         Input::Drive(c) => Some(format!("drive {}", named(c))),
         Input::Reaction(c) => Some(format!("the force that it meets {}", named(c))),
     });
-    let mut lines = vec![sampling(draft, file), format!("taken for {}", taken.join(", "))];
+    let kind = kind(draft);
+    let mut lines = vec![
+        sampling(draft, file),
+        format!("taken for {}: {kind} (--rig KIND says another)", taken.join(", ")),
+    ];
     lines.extend(draft.remarks.iter().map(|remark| format!("note: {remark}")));
     let asked = |question: &Question| format!("question: {question} {}", capital(&question.answer()));
     lines.extend(draft.questions.iter().map(asked));

@@ -139,6 +139,7 @@ fn columns(draft: &Draft, notation: &Notation) -> Vec<String> {
     let input = match roles.input {
         Input::None => None,
         Input::Base(c) => Some(named("u", c)),
+        Input::BaseAcceleration(c) => Some(named("ab", c)),
         Input::Force(c) | Input::Drive(c) | Input::Reaction(c) => Some(named("F", c)),
     };
     [displacement, wheel, velocity, acceleration, input].into_iter().flatten().collect()

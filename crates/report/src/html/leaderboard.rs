@@ -22,7 +22,7 @@ pub(crate) fn leaderboard(found: &Gap, catalogue: &[LawEntry]) -> Vec<Element> {
     let said = paragraph(
         "Each law by itself beside the model as it is. Score: how far its fit lowers the criterion (misfit and the price \
          of its numbers). Gap: what its fit leaves, in units of the noise. Probability: among the laws that were fitted \
-         and not ruled out. A law that evidence rules out is struck through.",
+         and not ruled out, where one of them leaves noise alone. A law that evidence rules out is struck through.",
     );
     let mut out = vec![said];
     let rows = |part: &[&Tried], best: f64| part.iter().map(|t| row(t, best, catalogue)).collect::<Vec<_>>();
