@@ -287,3 +287,73 @@ fn friction_acts_where_the_direction_turns_too() {
     let missed = again["records"][1]["nrmse"]["th"].as_f64().expect("a number");
     assert!(missed < 0.01, "{missed}: {again}");
 }
+
+/// A crank with a rod and a slider, in the crank's angle alone: place and speed of the crank, place of the slider. Friction
+/// takes what it can of the speed in each step of 20 us.
+fn slider_crank(seconds: f64) -> Vec<[f64; 3]> {
+    let (h, every, [j, jr, m, r, l, c]) = (2e-5, 250, SLIDER_CRANK);
+    let rod = |a: f64| -(r * a.sin() / l).asin();
+    // The speeds of rod and slider for one of the crank.
+    let moves = |a: f64| {
+        let by = -r * a.cos() / (l * rod(a).cos());
+        [by, -r * a.sin() - l * rod(a).sin() * by]
+    };
+    let mass = |a: f64| j + jr * moves(a)[0].powi(2) + m * moves(a)[1].powi(2);
+    let [mut a, mut w] = [0.6, 0.0];
+    let mut all = vec![];
+    for step in 0..(seconds / h) as usize {
+        if step % every == 0 {
+            all.push([a, w, r * a.cos() + l * rod(a).cos()]);
+        }
+        let slope = (mass(a + 1e-5) - mass(a - 1e-5)) / 2e-5;
+        let free = w + h * (torque(step as f64 * h) - c * w - 0.5 * slope * w * w) / mass(a);
+        let along = moves(a)[1];
+        let most = h * 18.0;
+        // The impulse at the slider that would stop it.
+        let push = (-free * mass(a) / along).clamp(-most, most);
+        w = free + if along.abs() > 1e-9 { along * push / mass(a) } else { 0.0 };
+        a += h * w;
+    }
+    all
+}
+
+/// Inertias of crank and rod (kg m^2), mass of the slider (kg), lengths (m), damping of the crank.
+const SLIDER_CRANK: [f64; 6] = [0.02, 0.004, 1.5, 0.1, 0.3, 0.05];
+
+fn torque(t: f64) -> f64 {
+    1.2 + 3.0 * (2.1 * t).cos() + 2.5 * (5.3 * t + 0.4).cos()
+}
+
+/// The friction of a slider is found along its own speed, from the angle of the crank alone.
+#[test]
+fn friction_in_a_closed_loop_is_found_where_it_acts() {
+    let folder = Scratch::new("slider-crank");
+    let mut text = "t,a,T\n".to_owned();
+    for (k, [a, ..]) in slider_crank(10.0).iter().enumerate() {
+        let t = k as f64 * 0.005;
+        let noise = 1e-3 * (12.9898 * (k * k % 7919) as f64 + 3.7 * k as f64).sin();
+        let _ = writeln!(text, "{t},{},{}", a + noise, torque(t));
+    }
+    std::fs::write(folder.path("run.csv"), text).expect("a file");
+    let spec = r#"(
+        constants: { "J": (0.02, "kg*m^2"), "Jr": (0.004, "kg*m^2"), "m": (1.5, "kg"), "r": (0.1, "m"), "l": (0.3, "m"),
+            "c": (value: 0.05, unit: "N*m*s", within: (0.0, 1.0)) },
+        inputs: { "T": "N*m" },
+        energy: (
+            coordinates: { "a": ("w", "rad"), "b": ("wb", "rad"), "x": ("v", "m") },
+            kinetic: "J*w^2/2 + Jr*wb^2/2 + m*v^2/2", dissipation: "c*w^2/2", forces: { "T": "w" },
+            constraints: ["r*cos(a) + l*cos(b) - x", "r*sin(a) + l*sin(b)"],
+        ),
+        unknown: {},
+        data: [ Csv(path: "run.csv", time: "t", columns: { "a": "a", "T": "T" }, window: (0.0, 6.0)),
+                Csv(path: "run.csv", name: "rest", time: "t", columns: { "a": "a", "T": "T" }, window: (6.0, 10.0), role: Validate) ],
+    )"#;
+    std::fs::write(folder.path("crank.ron"), spec).expect("a spec");
+    let found = phisindy(&["gap", &folder.path("crank.ron"), "--format", "json", "--quiet"]);
+    let json: Value = serde_json::from_str(&found.out).expect("JSON");
+    assert_eq!((found.code, json["steps"][0]["law"].as_str()), (0, Some("coulomb")), "{}", found.out);
+    assert_eq!(json["steps"][0]["at"], "v", "{}", found.out);
+    let friction = &json["steps"][0]["parameters"]["Fc"];
+    let ends: Vec<f64> = (0..2).map(|k| friction["ci95"][k].as_f64().expect("a number")).collect();
+    assert!(ends[0] <= 18.01 && ends[1] >= 17.99 && ends[1] - ends[0] < 0.5, "{friction}");
+}

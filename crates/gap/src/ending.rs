@@ -2,7 +2,7 @@
 
 use crate::alternative_constant::alternative_constant;
 use crate::data_mistakes::data_mistakes;
-use crate::decisions::{REPEATS, SAME_FREQUENCY, SUBSTANTIAL};
+use crate::decisions::{REPEATS, SAME_FREQUENCY, SUBSTANTIAL, SURE};
 use crate::drive::Drive;
 use crate::drive_frequency::drive_frequency;
 use crate::formula::{DISCOVERED, expansion};
@@ -17,19 +17,15 @@ use crate::plausibility::{cancelling, pressed, vetoed};
 use crate::result::verdict::{bent, helpful, refused, status};
 use crate::result::{
     Activity, Alternative, Cancelling, ColumnGap, ColumnRepeat, Gap, GapError, InputError, MissingForce,
-    Named, NotTried, PlacedLaw, RecordValue, Region, Rival, Simulated, Status, Step, StepParameter,
+    Named, NotTried, PlacedLaw, Push, RecordValue, Region, Rival, Simulated, Status, Step, StepParameter,
     StopReason, Tried, Veto, Vetoed, Warning, observed_ranges, regions,
 };
 use crate::search::{Round, SEARCHED, Search, Searched, placed, refitted};
 use crate::sensor_linearity::sensor_nonlinearity;
 use crate::spec_mistakes::spec_mistake;
-use phisindy_learn::{
-    Effort, FoundParameter, LearnOptions, at_bounds, free_run_horizons, identify, sensitive_starts,
-};
-use phisindy_phys::Case;
-use phisindy_phys::spec::{Method, Role};
+use phisindy_learn::{Effort, FoundParameter, Identified, at_bounds, free_run_horizons, sensitive_starts};
+use phisindy_phys::spec::Role;
 use phisindy_signal::Interpolation;
-use std::ops::ControlFlow;
 
 /// The state after the search: the verdict, other explanations and the result follow from it.
 pub(crate) struct Ending<'s, 'a> {
@@ -115,6 +111,12 @@ impl<'s, 'a> Ending<'s, 'a> {
             }
             _ => (status, determined),
         };
+        let (status, alternative, determined) = match self.pushes(status, alternative.as_ref())? {
+            Some(pushes) => (Status::Named, Some(Alternative::Pushes(pushes)), self.last.model.effects.len()),
+            None => (status, alternative, determined),
+        };
+        let open_end = status == Status::Unexplained && alternative.is_none();
+        let status = if open_end && self.establish(determined)? { Status::Named } else { status };
         let found = |a: &Applied| a.effect.entry.id == DISCOVERED;
         let status = match status {
             Status::Explained if self.last.model.effects.iter().any(found) => Status::Described,
@@ -139,7 +141,8 @@ impl<'s, 'a> Ending<'s, 'a> {
         };
         // What is left of an answer, or is no more than the noise of its inputs leaves, is no force.
         let answered = matches!(status, Status::Explained | Status::Described)
-            || matches!(&alternative, Some(Alternative::InputNoise(n)) if n.left <= n.most);
+            || matches!(&alternative, Some(Alternative::InputNoise(n)) if n.left <= n.most)
+            || matches!(&alternative, Some(Alternative::Pushes(_)));
         let none = none.filter(|p| *p <= 0.5 || !answered);
         // What was stopped was not compared with all that could do as well.
         let status = match status {
@@ -206,22 +209,69 @@ impl<'s, 'a> Ending<'s, 'a> {
     /// Takes the numbers of the final model from the fit that leaves a random force on each body. The noise of an input
     /// is one: a free run sums it up and bends the numbers to it, by more than its intervals say.
     fn refit_with_random_force(&mut self) {
-        let TrialModel { system, records, given, .. } = &self.last.model;
-        let case = Case {
-            system: system.clone(),
-            records: given.plans.clone(),
-            learn: given.spec.learn.clone(),
-            laws: vec![],
-            searches: vec![],
-            requirements: vec![],
-            without_laws: None,
-            with_constants: None,
+        let observer = &self.search.observer;
+        if let Some(found) = self.last.model.with_random_force(&|| observer.stopped()) {
+            self.take_numbers(&found);
+        }
+    }
+
+    /// The pushes between which the model leaves nothing, of a model that nothing else explains: the one without effects, or
+    /// the final one. The result has its numbers then.
+    fn pushes(&mut self, status: Status, other: Option<&Alternative>) -> Result<Option<Vec<Push>>, GapError> {
+        if status != Status::Unexplained || other.is_some() || self.interrupted() {
+            return Ok(None);
+        }
+        let observer = &self.search.observer;
+        let stopped = || observer.stopped();
+        let (plain, found) = match self.path[0].model.pushes(&stopped) {
+            Some(found) => (true, Some(found)),
+            None if self.last.model.effects.is_empty() => (false, None),
+            None => (false, self.last.model.pushes(&stopped)),
         };
-        let observer = &mut self.search.observer;
-        let mut observe =
-            |_: f64| if observer.stopped() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
-        let options = LearnOptions { method: Some(Method::Trajectory) };
-        let Ok(found) = identify(&case, records, &options, &mut observe) else { return };
+        let Some((pushes, found)) = found else { return Ok(None) };
+        if plain {
+            self.path.truncate(1);
+            self.last = with_errors(self.path[0].clone(), &self.noise)?;
+            self.path[0] = self.last.clone();
+        }
+        self.take_numbers(&found);
+        Ok(Some(pushes))
+    }
+
+    /// Whether the laws that bring the gap far down are established although a force is left: `run` would say so of the
+    /// model with these alone, nothing else comes near, and their numbers are determined. The result is that model then.
+    fn establish(&mut self, determined: usize) -> Result<bool, GapError> {
+        let steps: Vec<Step> = (0..self.last.model.effects.len()).map(|k| self.step(k)).collect();
+        let n = substantial(&steps);
+        let sure = |s: &Step| {
+            let own = PlacedLaw::of(&s.effect);
+            let against = s.rivals.iter().filter(|r| !r.laws.contains(&own));
+            let odds: f64 = against.map(|r| (-0.5 * r.delta_bic).exp()).sum();
+            (1.0 + odds).recip() >= SURE
+        };
+        if n == 0 || n > determined || self.interrupted() || !steps[..n].iter().all(sure) {
+            return Ok(false);
+        }
+        let observer = &self.search.observer;
+        let with = if n == steps.len() { &self.last } else { &self.path[n] };
+        let Some(found) = with.model.with_random_force(&|| observer.stopped()).filter(|f| f.verdict.holds())
+        else {
+            return Ok(false);
+        };
+        let before = (self.last.clone(), self.path.clone());
+        self.path.truncate(n + 1);
+        self.last = with_errors(self.path[n].clone(), &self.noise)?;
+        self.take_numbers(&found);
+        self.path[n] = self.last.clone();
+        let established = vetoed(&self.last).is_empty();
+        if !established {
+            (self.last, self.path) = before;
+        }
+        Ok(established)
+    }
+
+    /// Takes the numbers that another fit of the final model found.
+    fn take_numbers(&mut self, found: &Identified) {
         for p in &mut self.last.cal.parameters {
             let of = |q: &&FoundParameter| q.id == p.id && q.estimate.value.is_finite();
             if let Some(found) = found.parameters.iter().find(of) {

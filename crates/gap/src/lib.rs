@@ -31,6 +31,7 @@ mod none_of_these;
 mod other_causes;
 mod place;
 mod plausibility;
+mod pushes;
 mod repeat;
 mod requested_formulas;
 mod requested_laws;
@@ -56,7 +57,7 @@ pub use result::{
     Activity, Alternative, AlternativeConstant, Cancelling, Cause, CoarseInput, ColumnGap, ColumnRepeat,
     DataError, DataMistake, Dependence, DriveFrequency, ForceHistory, ForcePoint, Gap, GapError, InputError,
     InputNoise, Leader, Location, MissingForce, ModelError, Named, NamedValue, Needs, NotTried,
-    ObservedRange, PlacedLaw, RecordValue, Region, Rival, RoundStart, SensorNonlinearity, Simulated,
+    ObservedRange, PlacedLaw, Push, RecordValue, Region, Rival, RoundStart, SensorNonlinearity, Simulated,
     SpecMistake, Status, Step, StepParameter, StopReason, Tried, Veto, Vetoed, Warning, WhyNot,
     force_history,
 };

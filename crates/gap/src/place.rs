@@ -3,6 +3,7 @@
 
 mod coupling;
 mod effect;
+mod joints;
 mod known_force;
 mod needs;
 
@@ -451,15 +452,16 @@ fn difference(system: &mut System, a: &Quantity, b: &Quantity) -> Quantity {
     Quantity { text: format!("({}-{})", a.text, b.text), node: system.graph.sub(a.node, b.node) }
 }
 
-/// The places that the spec names, and its contacts, each a place for friction: speeds that are sums of those of
-/// bodies with numbers, or one of a body against what carries it. `others` are places that are known already.
+/// The places that the spec names, its contacts, and joints that the model has, each a place for friction: speeds that are
+/// sums of those of bodies with numbers, or one of a body against what carries it. `others` are places that are known already.
 fn directions(system: &mut System, bodies: &[usize], others: &[Place]) -> Vec<Place> {
     let nodes: Vec<Id> = system.states.iter().map(|s| s.node).collect();
     let (by_speed, by_rate): (Vec<NamedPlace>, Vec<NamedPlace>) =
         system.places.iter().filter(|p| p.replaces.is_none()).cloned().partition(|p| p.enters.is_empty());
     let places = by_speed.into_iter().map(|p| (p.name, p.of));
     let contacts = system.contacts.iter().map(|c| (c.text.replace(' ', ""), c.clone()));
-    let listed: Vec<(String, Contact)> = places.chain(contacts).collect();
+    let named: Vec<(String, Contact)> = places.chain(contacts).collect();
+    let listed: Vec<(String, Contact)> = named.into_iter().chain(joints::geared(system, bodies)).collect();
     let mut all: Vec<Place> = by_rate.iter().map(|place| by_its_rates(system, place, &nodes)).collect();
     for (at, contact) in listed {
         let minus = system.graph.neg(contact.node);

@@ -40,24 +40,23 @@ fn undetermined(last: &Fitted, applied: &Applied) -> Option<Veto> {
         return Some(at_end);
     }
     // An interval from one bound to the other is what was known before, and of an inner number with a standard error
-    // above its value not even the order is known. With memory a coefficient is such a number too, for the states of
-    // the law move by it. A coefficient for which a free constant of the model can stand, as the viscous part of a
-    // friction law beside a free damper, is theirs together: both are open.
+    // above its value not even the order is known. A coefficient for which a free constant of the model can stand, as
+    // the viscous part of a friction law beside a free damper, is theirs together: both are open. With memory no number
+    // is such a coefficient, for the states of the law move by it.
     let own = |p: &FoundParameter| {
         let all = last.model.effects.iter().flat_map(|a| &a.parameters);
         p.id.constant().is_some_and(|c| all.into_iter().any(|own| *own == c))
     };
     let constants = last.cal.parameters.iter().filter(|p| p.id.constant().is_some() && !own(p));
     let shared = constants.into_iter().any(FoundParameter::reaches_both_bounds);
-    let coefficients = law.linear_parameters();
+    let coefficients = if law.has_memory() { vec![] } else { law.linear_parameters() };
     let open = |&k: &usize| {
-        let p = &law.parameters[k].1;
-        let excused = p.each || p.whole || (shared && coefficients.contains(&k));
+        let (p, is_inner) = (&law.parameters[k].1, !coefficients.contains(&k));
         let no_order = |f: &FoundParameter| {
             f.estimate.ci95.0 <= f.bounds.0 && f.estimate.std_error > f.estimate.value.abs()
         };
-        let inner = law.has_memory() || !coefficients.contains(&k);
-        let unseen = |f: &FoundParameter| f.reaches_both_bounds() || (inner && no_order(f));
+        let unseen = |f: &FoundParameter| f.reaches_both_bounds() || (is_inner && no_order(f));
+        let excused = p.each || p.whole || (shared && !is_inner);
         !excused && found(k).is_some_and(unseen)
     };
     if let Some(k) = (0..law.parameters.len()).find(open) {

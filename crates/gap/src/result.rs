@@ -16,7 +16,7 @@ pub use crate::place::Needs;
 pub use error::{DataError, GapError};
 pub use finding::{
     Activity, Alternative, AlternativeConstant, Cancelling, Cause, CoarseInput, DataMistake, DriveFrequency,
-    InputError, InputNoise, Leader, Named, NamedValue, RoundStart, SensorNonlinearity, SpecMistake,
+    InputError, InputNoise, Leader, Named, NamedValue, Push, RoundStart, SensorNonlinearity, SpecMistake,
     StopReason, Veto, Vetoed, Warning,
 };
 pub use force_history::{ForceHistory, force_history};

@@ -1,7 +1,7 @@
 //! How a model does on records as a workshop takes them: short ones, and with a drive that is measured with noise.
 #![allow(missing_docs)]
 
-use phisindy_gap::{gap, standing};
+use phisindy_gap::{Alternative, Status, gap, standing};
 use phisindy_phys::spec::Spec;
 use phisindy_phys::{Case, LawEntry, Origin, Record, SourceId, check, spec};
 use phisindy_sim::synthesize;
@@ -79,4 +79,46 @@ fn numbers_hold_beside_a_force_that_is_measured_with_noise() {
     }
     // Of six intervals of 95 % one may miss; those of the free run miss five.
     assert!(missed.len() <= 1, "{missed:?}");
+}
+
+/// Two pushes that nobody measured are told with their times, beside numbers that hold; a cubic spring that the model lacks
+/// is no push, although its force comes in bursts.
+#[test]
+fn pushes_that_nobody_measured_are_told_with_their_times() {
+    let rig = |lacks: [&str; 2]| {
+        let record = |lacks: &str, seed: usize, role: &str| {
+            format!(
+                r#"Synthetic(name: "{role}", inputs: {{ "F": Multisine(amplitude: 8.0, band: (0.5, 6.0), count: 15) }}, truth: {{ "v": "({lacks})/m" }},
+                    start: {{}}, duration: 6.0, step: 0.005, noise: Sensor({{ "x": (5e-5, "m") }}), measure: ["x"], seed: {seed}, role: {role})"#
+            )
+        };
+        format!(
+            r#"(constants: {{ "m": (2.0, "kg"), "k": (value: 800.0, unit: "N/m", within: (640.0, 960.0)), "c": (value: 1.5, unit: "N*s/m", within: (0.0, 6.0)) }},
+                states: {{ "x": "m", "v": "m/s" }}, inputs: {{ "F": "N" }}, known: {{ "x": "v", "v": "(F - c*v - k*x)/m" }}, inertia: {{ "v": "m" }},
+                unknown: {{}}, data: [{}, {}])"#,
+            record(lacks[0], 31, "Fit"),
+            record(lacks[1], 32, "Validate")
+        )
+    };
+    let found = |text: &str| {
+        let (_, case, records) = loaded(text);
+        gap(text, case, records, &[], &mut |_, _| ControlFlow::Continue(())).expect("a result")
+    };
+    let half_sine = |from: f64, size: f64| {
+        format!("{size:?}*pos(sin(3.14159*(t - {from:?})/0.2))*step(t - {from:?})*step({from:?} + 0.2 - t)")
+    };
+    let pushed = found(&rig([&half_sine(2.1, 12.0), &half_sine(3.4, -9.0)]));
+    let Some(Alternative::Pushes(pushes)) = &pushed.alternative else { panic!("{:?}", pushed.status) };
+    assert_eq!(pushed.status, Status::Named);
+    for (record, from, change) in [("Fit", 2.1, 12.0), ("Validate", 3.4, -9.0)] {
+        let own = pushes.iter().find(|p| p.record == record).expect("a push");
+        assert!(own.from < from + 0.05 && own.to > from + 0.15 && own.to - own.from < 0.6, "{own:?}");
+        // The impulse of half a sine over the mass.
+        let due = change * 0.2 * std::f64::consts::FRAC_2_PI / 2.0;
+        assert!((own.changes / due - 1.0).abs() < 0.15, "{own:?} for {due}");
+    }
+    let k = pushed.parameters.iter().find(|p| p.id.to_string() == "k").expect("a number").estimate.ci95;
+    assert!(k.0 < 800.0 && k.1 > 800.0, "{k:?}");
+    let bent = found(&rig(["-2e7*x^3", "-2e7*x^3"]));
+    assert!(!matches!(bent.alternative, Some(Alternative::Pushes(_))), "{:?}", bent.alternative);
 }

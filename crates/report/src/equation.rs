@@ -7,6 +7,7 @@ use phisindy_expr::{Binary, Graph, Id, Names, Node, Unary, latex_rate};
 use phisindy_learn::{FoundParameter, FoundTerm};
 use phisindy_phys::{Case, System};
 use std::collections::{HashMap, HashSet};
+use std::fmt::Write as _;
 
 /// The equation of one state, in SI units.
 #[derive(Clone, Debug, PartialEq)]
@@ -101,7 +102,30 @@ impl Writer {
             written(&mut self.graph, &sum, &[], &latex, ["\\left(", "\\right)", "\\left[", "\\right]"]);
         let balance = self.right_side(system, state, force, terms, true);
         let (_, right) = balance.latex.split_once(" = ").unwrap_or(("", &balance.latex));
-        Equation { latex: format!("\\frac{{d}}{{dt}}\\left({left}\\right) = {right}"), ..rate }
+        let (pulls, loops) = self.constraints(system, state);
+        Equation { latex: format!("\\frac{{d}}{{dt}}\\left({left}\\right) = {right}{pulls}{loops}"), ..rate }
+    }
+
+    /// The forces with which constraints hold a coordinate, each with its multiplier; and behind the last coordinate what
+    /// the constraints say.
+    fn constraints(&mut self, system: &System, state: usize) -> (String, String) {
+        let coordinate = system.states.iter().find(|s| s.velocity == Some(state)).map(|s| s.node);
+        let (mut pulls, mut loops) = (String::new(), String::new());
+        for (k, constraint) in system.constraints.iter().enumerate() {
+            let value = self.filled(constraint.value);
+            let slope = coordinate.map(|q| self.graph.gradient(value, &[q])[0]);
+            if let Some(slope) = slope.filter(|&s| self.graph.value(s) != Some(0.0)) {
+                let _ = write!(
+                    pulls,
+                    " + \\lambda_{{{}}}\\left({}\\right)",
+                    k + 1,
+                    self.graph.latex(slope, &self.names)
+                );
+            }
+            let _ = write!(loops, ",\\quad {} = 0", self.graph.latex(value, &self.names));
+        }
+        let last = system.momenta.iter().map(|(speed, ..)| *speed).max();
+        (pulls, if last == Some(state) { loops } else { String::new() })
     }
 
     /// What is known, then the terms: rates, or forces along a speed.

@@ -9,6 +9,7 @@
 //! decides what happens on the surface (Filippov's, the same in fit and simulation): with `r+` and `r-` the
 //! rate of `w` on either side, the contact sticks while `r+ <= 0 <= r-`.
 
+mod assembly;
 mod automaton;
 mod columns;
 mod contact;
@@ -39,6 +40,7 @@ mod switched;
 mod synthetic;
 mod trajectory;
 
+pub use assembly::Assembly;
 pub use automaton::Automaton;
 pub use decisions::decisions;
 pub use excitation::{ExcitationError, Multisine};

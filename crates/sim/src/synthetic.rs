@@ -1,5 +1,6 @@
 //! Synthetic records: the truth simulated with located events, sampled, and measured by noisy sensors.
 
+use crate::assembly::Assembly;
 use crate::decisions::{
     COARSE_DIVERGED, COARSE_TOLERANCE, FEWEST_SAMPLES, GRID_REFINEMENT, MOST_SINE_SAMPLES, SMALLEST_SIZES,
     TRUTH_TOLERANCE,
@@ -314,6 +315,23 @@ fn settled_start(
 ) -> Result<Vec<f64>, SyntheticError> {
     let mut start = truth.start.clone();
     let model = &truth.truth;
+    let (values, rates): (Vec<Id>, Vec<Id>) = truth.constraints.iter().copied().unzip();
+    if let Some(assembly) = Assembly::new(&model.graph, &model.arguments(), &model.states, (&values, &rates))
+    {
+        let at = |x: &[f64]| -> Vec<f64> {
+            let moving =
+                [0.0].into_iter().chain(x.iter().copied()).chain(inputs.iter().map(|u| u.value(0.0)));
+            moving.chain(constants.iter().copied()).collect()
+        };
+        let others: Vec<bool> = truth.given.iter().map(|given| !given).collect();
+        if !assembly.assemble(&mut start, &others, &at) {
+            return Err(SyntheticError::Other(
+                "the start does not satisfy the constraints: name in `start` what is known, and the rest follows; or let \
+                 it begin near where it can be"
+                    .into(),
+            ));
+        }
+    }
     for &(state, settled) in &truth.settled {
         let tape = Tape::compile(&model.graph, &model.arguments(), &[settled])
             .map_err(|e| SyntheticError::Other(e.message(&model.names)))?;

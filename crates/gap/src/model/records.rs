@@ -40,7 +40,7 @@ pub(crate) fn shortened(records: &[Record]) -> Option<Vec<Record>> {
     let long = records.iter().any(|r| r.len() > most + most / 2);
     let cut = |r: &Record| {
         let n = r.len().min(most);
-        r.beginning(n)
+        r.within(0..n)
     };
     long.then(|| records.iter().map(cut).collect())
 }

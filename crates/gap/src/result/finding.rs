@@ -152,6 +152,25 @@ pub enum Alternative {
     Drive(DriveFrequency),
     /// Noise of measured inputs.
     InputNoise(InputNoise),
+    /// Pushes that nobody measured: between them the model leaves nothing.
+    Pushes(Vec<Push>),
+}
+
+/// A force that nobody measured, which acts for a while.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Push {
+    /// Name of the record.
+    pub record: String,
+    /// The speed on which it acts.
+    pub at: String,
+    /// When it begins (s).
+    pub from: f64,
+    /// When it ends (s).
+    pub to: f64,
+    /// By how much it changes that speed, in `unit`.
+    pub changes: f64,
+    /// The unit of the speed.
+    pub unit: String,
 }
 
 /// A fixed constant of the spec that explains the data in place of effects.

@@ -3,7 +3,7 @@
 use super::{
     Activity, Alternative, AlternativeConstant, Cancelling, Cause, CoarseInput, DataError, DataMistake,
     Dependence, DriveFrequency, GapError, InputError, InputNoise, Location, MissingForce, ModelError, Named,
-    NamedValue, PlacedLaw, Rival, RoundStart, SensorNonlinearity, SpecMistake, Veto, Vetoed, Warning,
+    NamedValue, PlacedLaw, Push, Rival, RoundStart, SensorNonlinearity, SpecMistake, Veto, Vetoed, Warning,
 };
 use std::f64::consts::TAU;
 use std::fmt::{Display, Formatter, Result};
@@ -184,6 +184,12 @@ impl Display for Alternative {
             Alternative::Constant(constant) => constant.fmt(f),
             Alternative::Drive(drive) => drive.fmt(f),
             Alternative::InputNoise(noise) => noise.fmt(f),
+            Alternative::Pushes(all) => {
+                f.write_str(
+                    "a force acts that nobody measured, and between its pushes the model leaves nothing: ",
+                )?;
+                f.write_str(&joined(all.iter().map(ToString::to_string), "; "))
+            }
         }
     }
 }
@@ -222,6 +228,13 @@ impl Display for DriveFrequency {
             self.gap.1,
             then(&self.numbers)
         )
+    }
+}
+
+impl Display for Push {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        let Push { record, at, from, to, changes, unit } = self;
+        write!(f, "in {record} from {from:.3} to {to:.3} s at {at}, which it changes by {changes:.2e} {unit}")
     }
 }
 

@@ -15,4 +15,6 @@ pub struct Remainder {
     pub of_motion: f64,
     /// The stretch of the record (s) in which it is strongest.
     pub strongest: (f64, f64),
+    /// The force at the times of the record: time (s), and force in the unit of `rms`.
+    pub course: Vec<(f64, f64)>,
 }

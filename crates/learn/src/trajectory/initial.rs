@@ -10,6 +10,7 @@ use crate::trajectory::kalman_smoother::{estimated_states, reads_outputs};
 use phisindy_expr::{Id, Scratch, Tape, Unary};
 use phisindy_phys::{Record, System};
 use phisindy_signal::{Differentiator, standard_deviation};
+use phisindy_sim::Assembly;
 use rayon::prelude::*;
 
 /// The records with the sizes of states that only outputs tell, from what [`smoothed`] makes of them.
@@ -31,7 +32,40 @@ pub fn smoothed(system: &System, record: &Record) -> Record {
             *column = Some(state);
         }
     }
+    assemble(system, record, &mut out);
     out
+}
+
+/// Gives the states of a mechanism with loops that have no column those that its constraints leave, with constants as
+/// the spec starts them.
+fn assemble(system: &System, record: &Record, out: &mut Record) {
+    let (values, rates): (Vec<Id>, Vec<Id>) = system.constraints.iter().map(|c| (c.value, c.rate)).unzip();
+    let states: Vec<Id> = system.states.iter().map(|s| s.node).collect();
+    let arguments = system.arguments();
+    let Some(assembly) = Assembly::new(&system.graph, &arguments, &states, (&values, &rates)) else { return };
+    let free: Vec<bool> = out.columns[..states.len()].iter().map(Option::is_none).collect();
+    let mut x: Vec<f64> = record.start.iter().map(|start| start.unwrap_or(0.0)).collect();
+    let mut all: Vec<Vec<f64>> = vec![Vec::with_capacity(record.len()); states.len()];
+    for i in 0..record.len() {
+        for (x, column) in x.iter_mut().zip(&out.columns) {
+            *x = column.as_ref().map_or(*x, |c| c[i]);
+        }
+        let time = record.time[i];
+        let at = |x: &[f64]| -> Vec<f64> {
+            let moving = [time]
+                .into_iter()
+                .chain(x.iter().copied())
+                .chain(record.inputs.iter().map(|u| u.value(time)));
+            let numbers = system.parameters.iter().map(|p| p.start).chain(record.constants.iter().copied());
+            moving.chain(numbers).collect()
+        };
+        // Noise may ask for what no linkage can do: it stays where it was.
+        assembly.assemble(&mut x, &free, &at);
+        all.iter_mut().zip(&x).for_each(|(all, x)| all.push(*x));
+    }
+    for (column, own) in out.columns.iter_mut().zip(all).filter(|(column, _)| column.is_none()) {
+        *column = Some(own);
+    }
 }
 
 /// The record with every column smoothed, and columns for velocities that have none. Those of states say what the

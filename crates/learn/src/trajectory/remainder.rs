@@ -37,6 +37,7 @@ fn of_state(fit: &Fit<'_>, record: usize, pass: &Pass, state: usize, force: &[f6
         share: rms / whole,
         of_motion: of_motion(fit, pass, force) * rms / whole,
         strongest: span,
+        course: times.into_iter().zip(force.iter().copied()).collect(),
     }
 }
 

@@ -60,6 +60,7 @@ pub const BUILT_IN: &[(&str, &str)] = &[
     ("lugre", include_str!("../../laws/lugre.ron")),
     ("maxwell", include_str!("../../laws/maxwell.ron")),
     ("maxwell-slip", include_str!("../../laws/maxwell-slip.ron")),
+    ("nonlinear-maxwell", include_str!("../../laws/nonlinear-maxwell.ron")),
     ("offset", include_str!("../../laws/offset.ron")),
     ("one-sided-stop", include_str!("../../laws/one-sided-stop.ron")),
     ("parametric-stiffness", include_str!("../../laws/parametric-stiffness.ron")),
@@ -129,6 +130,7 @@ mod tests {
                 "lugre",
                 "maxwell",
                 "maxwell-slip",
+                "nonlinear-maxwell",
                 "presliding"
             ]
         );

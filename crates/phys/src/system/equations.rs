@@ -129,6 +129,17 @@ pub struct NamedPlace {
     pub replaces: Option<usize>,
 }
 
+/// What is zero in a mechanism whatever moves: it closes a loop.
+#[derive(Clone, Debug)]
+pub struct Constraint {
+    /// As written.
+    pub text: String,
+    /// What is zero, by coordinates and time.
+    pub value: Id,
+    /// Its rate, by coordinates, speeds and time.
+    pub rate: Id,
+}
+
 /// A checked system.
 #[derive(Clone, Debug)]
 pub struct System {
@@ -159,6 +170,8 @@ pub struct System {
     pub coupling: Vec<(usize, usize, Id)>,
     /// Of a mechanism each speed with the momentum of its coordinate, and the known force that changes it.
     pub momenta: Vec<(usize, Id, Id)>,
+    /// What closes loops of a mechanism, in the order of the spec.
+    pub constraints: Vec<Constraint>,
     /// The dictionary, in the order of the spec.
     pub terms: Vec<Term>,
     /// What may move, in the order of the spec.

@@ -10,6 +10,11 @@
 //! `M = L D L'` is factored without pivots, as its definiteness allows (G. Golub, C. Van Loan, Matrix Computations,
 //! 4th ed., 4.1), as operations of the graph: one program evaluates and differentiates it with everything else, and
 //! entries that are zero cost nothing.
+//!
+//! Constraints `g(q, t) = 0` close loops. Their forces `J' l`, `J = dg/dq`, keep `g'' = -2 r g' - r^2 g`, so that what the
+//! steps of an integrator or a start leave of `g` dies out (J. Baumgarte, Comput. Methods Appl. Mech. Eng. 1 (1972) 1-16).
+//! With `X = M^-1 J'` and `S = J X` the multipliers solve `S l = -(J a + g'' without rates + 2 r g' + r^2 g)`, where `a` are the
+//! rates without constraints; a force along a speed moves what `M^-1 - X S^-1 X'` says.
 
 use phisindy_expr::{Graph, Id};
 
@@ -22,6 +27,8 @@ pub(crate) struct Energies {
     pub(crate) dissipation: Id,
     /// Each force with its derivatives by the speeds: the direction in which it acts.
     pub(crate) forces: Vec<(Id, Vec<Id>)>,
+    /// What is zero, of coordinates and time.
+    pub(crate) constraints: Vec<Id>,
     pub(crate) time: Id,
 }
 
@@ -35,7 +42,12 @@ pub(crate) struct Equations {
     pub(crate) mobility: Vec<Vec<Id>>,
     /// The pivots of `M`: all are positive where the kinetic energy is.
     pub(crate) pivots: Vec<Id>,
+    /// The rate of each constraint, by coordinates, speeds and time.
+    pub(crate) constraint_rates: Vec<Id>,
 }
+
+/// How fast what is left of a constraint dies out (1/s). A convention: faster than rigs fall apart, slower than they shake.
+const RETURN: f64 = 10.0;
 
 /// Why energies give no equations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,6 +56,8 @@ pub(crate) enum NoEquations {
     NotQuadratic,
     /// The kinetic energy knows nothing of the speed of this coordinate.
     Massless(usize),
+    /// This constraint asks nothing of what moves that those before it do not.
+    Redundant(usize),
 }
 
 impl Energies {
@@ -81,16 +95,93 @@ impl Energies {
             }
             force.push(sum);
         }
-        let factored = Factored::new(graph, &mass)?;
+        let factored = Factored::new(graph, &mass).map_err(NoEquations::Massless)?;
         let rates = factored.solved(graph, &force);
         let mobility = factored.inverse(graph);
-        Ok(Equations { rates, momenta: balances, mobility, pivots: factored.pivots })
+        let loops = Loops::new(graph, self, &factored)?;
+        let rates = loops.held(graph, &rates, true);
+        let mobility = mobility.iter().map(|column| loops.held(graph, column, false)).collect();
+        let Loops { rates: constraint_rates, .. } = loops;
+        Ok(Equations { rates, momenta: balances, mobility, pivots: factored.pivots, constraint_rates })
     }
+}
+
+/// The constraints of a mechanism.
+struct Loops {
+    /// `g'`.
+    rates: Vec<Id>,
+    /// `g'' + 2 r g' + r^2 g` without the part `J v'`.
+    bias: Vec<Id>,
+    /// `J`, by rows.
+    jacobian: Vec<Vec<Id>>,
+    /// `X'`: the rates that a unit of each multiplier makes.
+    moves: Vec<Vec<Id>>,
+    /// `S`.
+    feels: Factored,
+}
+
+impl Loops {
+    fn new(graph: &mut Graph, of: &Energies, mass: &Factored) -> Result<Loops, NoEquations> {
+        let (q, v): (Vec<Id>, Vec<Id>) = of.coordinates.iter().copied().unzip();
+        let along: Vec<Id> = q.iter().copied().chain([of.time]).collect();
+        // The rate of what depends on places and time alone.
+        let rate = |graph: &mut Graph, value: Id| {
+            let slopes = graph.gradient(value, &along);
+            let by_time = slopes[q.len()];
+            slopes.iter().zip(&v).fold(by_time, |sum, (&slope, &v)| {
+                let part = graph.mul(slope, v);
+                graph.add(sum, part)
+            })
+        };
+        let (r2, rr) = (graph.constant(2.0 * RETURN), graph.constant(RETURN * RETURN));
+        let (mut rates, mut bias) = (vec![], vec![]);
+        for &g in &of.constraints {
+            let first = rate(graph, g);
+            let second = rate(graph, first);
+            let (drift, offset) = (graph.mul(r2, first), graph.mul(rr, g));
+            let back = graph.add(drift, offset);
+            rates.push(first);
+            bias.push(graph.add(second, back));
+        }
+        let jacobian: Vec<Vec<Id>> = of.constraints.iter().map(|&g| graph.gradient(g, &q)).collect();
+        let moves: Vec<Vec<Id>> = jacobian.iter().map(|row| mass.solved(graph, row)).collect();
+        let entries: Vec<Vec<Id>> =
+            jacobian.iter().map(|row| moves.iter().map(|m| product(graph, row, m)).collect()).collect();
+        let feels = Factored::new(graph, &entries).map_err(NoEquations::Redundant)?;
+        Ok(Loops { rates, bias, jacobian, moves, feels })
+    }
+
+    /// What the constraints leave of these rates: with their bias, or of a force alone.
+    fn held(&self, graph: &mut Graph, free: &[Id], with_bias: bool) -> Vec<Id> {
+        let asked: Vec<Id> = (self.jacobian.iter().zip(&self.bias))
+            .map(|(row, &bias)| {
+                let moved = product(graph, row, free);
+                if with_bias { graph.add(moved, bias) } else { moved }
+            })
+            .collect();
+        let multipliers = self.feels.solved(graph, &asked);
+        let mut held = free.to_vec();
+        for (moves, &multiplier) in self.moves.iter().zip(&multipliers) {
+            for (rate, &by) in held.iter_mut().zip(moves) {
+                let part = graph.mul(by, multiplier);
+                *rate = graph.sub(*rate, part);
+            }
+        }
+        held
+    }
+}
+
+fn product(graph: &mut Graph, a: &[Id], b: &[Id]) -> Id {
+    let zero = graph.constant(0.0);
+    a.iter().zip(b).fold(zero, |sum, (&a, &b)| {
+        let part = graph.mul(a, b);
+        graph.add(sum, part)
+    })
 }
 
 /// The inverse of a mass matrix, by rows.
 pub(crate) fn mobility(graph: &mut Graph, mass: &[Vec<Id>]) -> Result<Vec<Vec<Id>>, NoEquations> {
-    Ok(Factored::new(graph, mass)?.inverse(graph))
+    Ok(Factored::new(graph, mass).map_err(NoEquations::Massless)?.inverse(graph))
 }
 
 /// `M = L D L'`: the pivots `D`, and the rows of `L` below its diagonal of ones.
@@ -100,7 +191,8 @@ struct Factored {
 }
 
 impl Factored {
-    fn new(graph: &mut Graph, mass: &[Vec<Id>]) -> Result<Factored, NoEquations> {
+    /// The index of a row whose pivot is zero is the error.
+    fn new(graph: &mut Graph, mass: &[Vec<Id>]) -> Result<Factored, usize> {
         let mut all = Factored { pivots: vec![], lower: vec![] };
         for (i, of_mass) in mass.iter().enumerate() {
             // `(L D)_ij`, then `L_ij`.
@@ -120,7 +212,7 @@ impl Factored {
                 pivot = graph.sub(pivot, part);
             }
             if graph.value(pivot) == Some(0.0) {
-                return Err(NoEquations::Massless(i));
+                return Err(i);
             }
             all.pivots.push(pivot);
             all.lower.push(row);

@@ -62,12 +62,12 @@ impl OwnTimes {
         self.column(column).map_or(samples.len(), count)
     }
 
-    /// Of the first samples alone.
+    /// Of some samples alone.
     ///
     /// # Panics
     /// The record is shorter.
-    pub fn of_first(&self, samples: usize) -> OwnTimes {
-        OwnTimes(self.0.iter().map(|own| own.as_ref().map(|own| own[..samples].into())).collect())
+    pub fn within(&self, samples: Range<usize>) -> OwnTimes {
+        OwnTimes(self.0.iter().map(|own| own.as_ref().map(|own| own[samples.clone()].into())).collect())
     }
 
     /// With one more column before the one at `place`, which has all samples.

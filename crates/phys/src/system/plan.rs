@@ -52,6 +52,10 @@ pub struct Synthetic {
     pub inputs: Vec<SyntheticInput>,
     /// Start state (SI).
     pub start: Vec<f64>,
+    /// Which of these the spec gives; of a mechanism with loops the others follow.
+    pub given: Vec<bool>,
+    /// What is zero in a mechanism with loops, and the rate of that.
+    pub constraints: Vec<(Id, Id)>,
     /// States of filters whose start follows from the others, in the order in which they follow.
     pub settled: Vec<(usize, Id)>,
     /// Seconds.

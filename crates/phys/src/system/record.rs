@@ -199,11 +199,21 @@ impl Record {
         measured.map(|k| self.own_times.count(k, samples.clone())).sum()
     }
 
-    /// The first samples of the record. It continues no other one.
-    pub fn beginning(&self, samples: usize) -> Record {
-        let columns = self.columns.iter().map(|c| c.as_ref().map(|c| c[..samples].to_vec())).collect();
-        let own_times = self.own_times.of_first(samples);
-        Record { time: self.time[..samples].into(), columns, own_times, continues: None, ..self.clone() }
+    /// Some samples of the record. It continues no other one, and starts as the spec states if these are its first.
+    ///
+    /// # Panics
+    /// The record is shorter.
+    pub fn within(&self, samples: Range<usize>) -> Record {
+        let of = |column: &Option<Vec<f64>>| column.as_ref().map(|c| c[samples.clone()].to_vec());
+        let start = if samples.start == 0 { self.start.clone() } else { vec![None; self.start.len()] };
+        Record {
+            columns: self.columns.iter().map(of).collect(),
+            own_times: self.own_times.within(samples.clone()),
+            time: self.time[samples].into(),
+            continues: None,
+            start,
+            ..self.clone()
+        }
     }
 
     /// Builds a record from the rows of a file, with derived inputs.

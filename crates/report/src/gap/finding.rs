@@ -49,6 +49,15 @@ pub(crate) fn finding(found: &Gap) -> Finding {
         Status::NothingMissing => {
             Finding { headline: "Nothing missing", sentence: capital(&outcome(found)) + "." }
         }
+        Status::Named if let Some(Alternative::Pushes(pushes)) = &found.alternative => {
+            let each: Vec<String> = pushes.iter().map(ToString::to_string).collect();
+            let with = match all.is_empty() {
+                true => "The model is right".to_owned(),
+                false => format!("With {} the model is right", joined(&all)),
+            };
+            let sentence = format!("{with}, but for a force that nobody measured: {}.", joined(&each));
+            Finding { headline: "Named, a force is left", sentence }
+        }
         Status::Explained | Status::Described | Status::Named | Status::Undetermined => {
             let sentence = format!(
                 "{} {} {fall} of the gap {which} ({} → {} times the noise); {}.",
@@ -93,6 +102,7 @@ fn alternative(other: &Alternative) -> String {
         Alternative::Constant(other) => format!("{} in the place of {}", other.constant, other.stated),
         Alternative::Drive(_) => "a drive at another frequency".to_owned(),
         Alternative::InputNoise(noise) => format!("the noise of the measured {}", noise.inputs.join(" and ")),
+        Alternative::Pushes(_) => "pushes that nobody measured".to_owned(),
     }
 }
 

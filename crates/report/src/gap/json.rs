@@ -8,7 +8,7 @@ use super::report::GapReport;
 use crate::format::capital;
 use crate::format::role_name;
 use crate::horizon::HorizonOut;
-use phisindy_gap::{ForcePoint, Gap, MissingForce, Region, Step, Tried};
+use phisindy_gap::{Alternative, ForcePoint, Gap, MissingForce, Push, Region, Step, Tried};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -33,6 +33,9 @@ struct Outcome<'a> {
     /// What became of a planned run.
     #[serde(skip_serializing_if = "Option::is_none")]
     planned: Option<&'a serde_json::Value>,
+    /// A force that nobody measured, where the model leaves nothing between its pushes.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pushes: Vec<PushOut<'a>>,
     records: Vec<RecordOut<'a>>,
     repeatability: Vec<RepeatOut<'a>>,
     seconds: f64,
@@ -69,6 +72,17 @@ struct FinalGap {
     validate: Option<f64>,
     /// The gap on Validate records with the numbers of the model moved within their errors.
     within_errors: Option<f64>,
+}
+
+#[derive(Serialize)]
+struct PushOut<'a> {
+    at: &'a str,
+    /// By how much it changes the speed, in `unit`.
+    changes: f64,
+    from: f64,
+    record: &'a str,
+    to: f64,
+    unit: &'a str,
 }
 
 #[derive(Serialize)]
@@ -234,6 +248,10 @@ fn outcome<'a>(report: &GapReport<'a>) -> Outcome<'a> {
         parameters: parameters(found),
         partial: found.partial.iter().map(|s| step(found, s)).collect(),
         planned: report.planned.map(|planned| &planned.json),
+        pushes: match &found.alternative {
+            Some(Alternative::Pushes(pushes)) => pushes.iter().map(push).collect(),
+            _ => vec![],
+        },
         records: records(found),
         repeatability: repeatability(found),
         seconds: ending.seconds,
@@ -248,6 +266,10 @@ fn outcome<'a>(report: &GapReport<'a>) -> Outcome<'a> {
         located: found.located.iter().map(region).collect(),
         whiteness: change(found.whiteness),
     }
+}
+
+fn push(of: &Push) -> PushOut<'_> {
+    PushOut { at: &of.at, changes: of.changes, from: of.from, record: &of.record, to: of.to, unit: &of.unit }
 }
 
 fn missing_force(of: &MissingForce) -> MissingForceOut<'_> {

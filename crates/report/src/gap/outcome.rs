@@ -28,12 +28,18 @@ pub(crate) fn outcome(found: &Gap) -> String {
             short(before),
             short(last)
         ),
-        Status::Named => format!(
-            "the gap {} went from {} to {}, and a force in another form is left",
-            basis(found),
-            short(before),
-            short(last)
-        ),
+        Status::Named => {
+            let left = match found.alternative {
+                Some(Alternative::Pushes(_)) => "a force that nobody measured",
+                _ => "a force in another form",
+            };
+            format!(
+                "the gap {} went from {} to {}, and {left} is left",
+                basis(found),
+                short(before),
+                short(last)
+            )
+        }
         Status::Explained | Status::Described | Status::Undetermined => {
             let why = match sensitivity(found) {
                 words if !words.is_empty() => words,

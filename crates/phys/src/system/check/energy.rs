@@ -1,9 +1,13 @@
 //! Energies to the rates of their speeds.
 
 use super::checker::Checker;
+use crate::system::equations::Constraint;
 use crate::system::lagrange::{Energies, Equations, NoEquations, mobility};
 use crate::text::spec::{EnergySpec, Spec, Text};
 use phisindy_expr::{Id, Scratch, Tape};
+
+/// Far below the mobility of any body (1/kg), and its square is a number.
+const LEAST_MOBILITY: f64 = 1e-30;
 
 /// The rates that energies give, by the place of their state.
 #[derive(Default)]
@@ -16,6 +20,7 @@ pub(super) struct Mechanism {
     pub(super) inertia: Vec<(usize, Id)>,
     /// A speed, another one, and the rate of the latter for a rate of 1 that a force along the former makes.
     pub(super) coupling: Vec<(usize, usize, Id)>,
+    pub(super) constraints: Vec<Constraint>,
 }
 
 impl Checker {
@@ -43,7 +48,23 @@ impl Checker {
         match energies.equations(&mut self.graph) {
             Ok(equations) => {
                 self.positive(energy, &equations, states);
-                self.by_state(&equations, &places)
+                let constraint = |((text, &value), &rate): ((&Text, &Id), &Id)| Constraint {
+                    text: text.value.clone(),
+                    value,
+                    rate,
+                };
+                let rates = &equations.constraint_rates;
+                let constraints = energy.constraints.iter().zip(&energies.constraints).zip(rates);
+                Mechanism {
+                    constraints: constraints.map(constraint).collect(),
+                    ..self.by_state(&equations, &places)
+                }
+            }
+            Err(NoEquations::Redundant(k)) => {
+                self.error("this constraint holds nothing", energy.constraints[k].span, "").help.push(
+                    "it asks nothing of the coordinates that those before it do not: take it out".into(),
+                );
+                Mechanism::default()
             }
             Err(NoEquations::NotQuadratic) => {
                 self.error("the kinetic energy is not quadratic in the speeds", energy.kinetic.span, "")
@@ -113,7 +134,7 @@ impl Checker {
             self.error("the inertia matrix has no inverse", span, "");
             return;
         };
-        self.follow(&mobility, &places, all);
+        self.follow(&mobility, &places, false, all);
     }
 
     fn energies(
@@ -169,6 +190,21 @@ impl Checker {
             }
             forces.push((force, direction));
         }
+        let mut constraints = Vec::new();
+        for text in &energy.constraints {
+            let zero = self.expression(text, allowed)?;
+            let (moves, others) = (self.graph.uses(&[zero], q), [v, &inputs[..]].concat());
+            if !moves || self.graph.uses(&[zero], &others) {
+                self.error(format!("`{}` closes no loop", text.value), text.span, "")
+                    .help
+                    .push(
+                        "write what is zero as coordinates, constants and `t` say it, such as \"l*cos(a) + r*cos(b) - x\""
+                            .into(),
+                    );
+                return None;
+            }
+            constraints.push(zero);
+        }
         let coordinates = q.iter().copied().zip(v.iter().copied()).collect();
         Some(Energies {
             coordinates,
@@ -176,6 +212,7 @@ impl Checker {
             potential: potential?,
             dissipation: dissipation?,
             forces,
+            constraints,
             time,
         })
     }
@@ -188,15 +225,18 @@ impl Checker {
             all.momenta.push((speed, momentum, force));
         }
         let speeds: Vec<usize> = places.iter().map(|&(_, speed)| speed).collect();
-        self.follow(&equations.mobility, &speeds, &mut all);
+        self.follow(&equations.mobility, &speeds, !equations.constraint_rates.is_empty(), &mut all);
         all
     }
 
     /// What a force along each speed feels, and what follows from its rate, by the inverse of the mass matrix.
-    fn follow(&mut self, mobility: &[Vec<Id>], speeds: &[usize], all: &mut Mechanism) {
+    fn follow(&mut self, mobility: &[Vec<Id>], speeds: &[usize], held: bool, all: &mut Mechanism) {
+        // Where constraints hold a speed for a moment, at a dead centre, it feels no force, and what follows from it is
+        // told in parts of it: next to nothing, but not nothing.
+        let least = self.graph.constant(if held { LEAST_MOBILITY } else { 0.0 });
         let one = self.graph.constant(1.0);
         for (i, &speed) in speeds.iter().enumerate() {
-            let own = mobility[i][i];
+            let own = self.graph.add(mobility[i][i], least);
             all.inertia.push((speed, self.graph.div(one, own)));
             for (j, &other) in speeds.iter().enumerate() {
                 let cross = mobility[i][j];

@@ -88,7 +88,7 @@ impl Checker {
         let unexcited: Vec<_> = derived.iter().enumerate().map(|(k, of)| of.filter(|_| !own(k))).collect();
         let constants =
             self.record_constants(&DataSpec::Synthetic(Box::new(data.clone())), spec, system, &title);
-        let (truth, settled) = self.truth_model(system, &extra, &shown, &inputs);
+        let (truth, settled, constraints) = self.truth_model(system, &extra, &shown, &inputs);
         let settled = settled.into_iter().filter(|&(k, _)| start[k].is_none()).collect();
         let plan = RecordPlan {
             name: data.name.as_ref().map_or(format!("synthetic {index}"), |n| n.value.clone()),
@@ -103,7 +103,9 @@ impl Checker {
                 truth,
                 extra,
                 inputs,
+                given: start.iter().map(Option::is_some).collect(),
                 start: start.into_iter().map(|x| x.unwrap_or(0.0)).collect(),
+                constraints,
                 settled,
                 duration: data.duration.value,
                 step: data.step.value,
@@ -163,15 +165,15 @@ impl Checker {
     }
 
     /// Known rates and outputs plus truth, formulas in the place of inputs, movable constants at their
-    /// nominal values; and where the states of filters start, after the system has been at its start for
-    /// long.
+    /// nominal values; where the states of filters start, after the system has been at its start for long; and
+    /// the constraints with their rates.
     fn truth_model(
         &mut self,
         system: &System,
         extra: &[Id],
         shown: &[Id],
         inputs: &[SyntheticInput],
-    ) -> (Model, Vec<(usize, Id)>) {
+    ) -> (Model, Vec<(usize, Id)>, Vec<(Id, Id)>) {
         let mut with: HashMap<Id, Id> = HashMap::new();
         for parameter in &system.parameters {
             let value = self.graph.constant(parameter.start);
@@ -207,6 +209,11 @@ impl Checker {
             let starts = self.graph.replace(&known, &whole);
             settled.extend(starts.into_iter().enumerate().map(|(k, id)| (filter.first + k, id)));
         }
+        let constraints = system.constraints.iter().map(|c| {
+            let both = self.graph.replace(&[c.value, c.rate], &with);
+            (both[0], both[1])
+        });
+        let constraints = constraints.collect();
         let model = Model {
             graph: self.graph.clone(),
             names: self.names.clone(),
@@ -217,7 +224,7 @@ impl Checker {
             rates,
             outputs,
         };
-        (model, settled)
+        (model, settled, constraints)
     }
 
     /// The expression of an input, or of the derivative of one, if it has one.

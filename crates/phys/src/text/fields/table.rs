@@ -93,6 +93,7 @@ group! { ENERGY = "`energy`", None;
     Field("potential", Expression, "potential energy, of the coordinates, `t` and inputs", Is("none")),
     Field("dissipation", Expression, "a function whose derivative by a speed is the force that is lost there: `\"c*v^2/2\"` for a damper, `\"Fc*|v|\"` for dry friction", Is("nothing is lost")),
     Field("forces", Map(&Free, &Expression), "each force with the speed along which it acts: an expression that is linear in speeds, `\"v\"` or `\"r*w - v\"`", Is("none")),
+    Field("constraints", List(&Expression), "what closes loops: expressions of coordinates, constants and `t` that are zero, `[\"r*cos(a) + l*cos(b) - x\", \"r*sin(a) + l*sin(b)\"]`", Is("no loops")),
 }
 
 group! { PLACE = "a place", None;

@@ -19,6 +19,8 @@ pub struct EnergySpec {
     pub dissipation: Option<Text>,
     /// Each force with the speed along which it acts.
     pub forces: Vec<(Text, Text)>,
+    /// What is zero whatever moves, by coordinates and time.
+    pub constraints: Vec<Text>,
 }
 
 impl EnergySpec {
@@ -50,6 +52,7 @@ impl Reader<'_> {
         let potential = self.optional(&fields, "potential", Self::words);
         let dissipation = self.optional(&fields, "dissipation", Self::words);
         let forces = self.pairs(&fields, "forces", Self::words);
+        let constraints = self.optional(&fields, "constraints", |r, n| r.list(n, Self::words));
         let coordinates = coordinates?;
         if coordinates.is_empty() {
             return self.wrong(
@@ -59,7 +62,14 @@ impl Reader<'_> {
                 "name one with its speed and its unit: coordinates: { \"x\": (\"v\", \"m\") }",
             );
         }
-        Some(EnergySpec { coordinates, kinetic: kinetic?, potential, dissipation, forces })
+        Some(EnergySpec {
+            coordinates,
+            kinetic: kinetic?,
+            potential,
+            dissipation,
+            forces,
+            constraints: constraints.unwrap_or_default(),
+        })
     }
 
     /// `("v", "m")`: a speed and the unit of its coordinate.
