@@ -499,11 +499,13 @@ impl<'s> Survey<'s> {
             Some(Quantity::varying(state.measure.times(&second, -1.0)))
         };
         let of = |name: &str| names.get(name).cloned().or_else(|| rate(name));
-        let found = infer(&ast, of, &mut self.unknowns, &mut conflicts);
+        let time = names.get("t").map_or(second.clone(), |t| t.measure.clone());
+        let found = infer(&ast, of, &time, &mut self.unknowns, &mut conflicts);
         for conflict in conflicts {
             let missing = match &conflict {
                 Conflict::Operands { left: (_, due), right: (_, is), .. } => self.suggestion(due, is),
                 Conflict::Argument { form, .. }
+                | Conflict::Time { form, .. }
                 | Conflict::Exponent { form, .. }
                 | Conflict::Base { form, .. } => self.suggestion(&Form::none(), form),
             };
