@@ -287,7 +287,9 @@ pub fn function_names() -> impl Iterator<Item = &'static str> {
 }
 
 fn named_binary() -> impl Iterator<Item = &'static BinaryRow> {
-    BINARY.iter().filter(|r| r.precedence == 0 && !matches!(r.op, Binary::Gate | Binary::Timing | Binary::Masked))
+    BINARY
+        .iter()
+        .filter(|r| r.precedence == 0 && !matches!(r.op, Binary::Gate | Binary::Timing | Binary::Masked))
 }
 
 /// The operation behind a function name.

@@ -393,6 +393,7 @@ impl Written {
             unknown: vec![],
             contacts: vec![],
             places: vec![],
+            impacts: vec![],
             limits: None,
             data: vec![],
             learn: LearnSpec::default(),
