@@ -12,8 +12,8 @@ use std::iter::once;
 
 /// The compiled automaton: immutable, shared between threads.
 ///
-/// The inputs of all its tapes are `[t, x.., u.., du/dt.., p.., s.., e.., d.., b.., k..]`; [`Switched`] says
-/// what `s`, `e`, `d` and `b` are, and `k` are the modes of the kinks.
+/// The inputs of all its tapes are `[t, x.., u.., du/dt.., p.., s.., e.., d.., b.., k.., d2u/dt2..]`; [`Switched`]
+/// says what `s`, `e`, `d` and `b` are, and `k` are the modes of the kinks. The last ones are there beside impacts.
 #[derive(Clone, Debug)]
 pub struct Automaton {
     /// Names of the states, for messages.
@@ -31,6 +31,8 @@ pub struct Automaton {
     /// When what is held jumps.
     pub(crate) ticks: Vec<Tick>,
     pub(crate) resets: Resets,
+    /// How many inputs the tapes have.
+    pub(crate) arguments: usize,
     /// For each impact, the contact at whose surface its gap rests too.
     pub(crate) twins: Vec<Option<usize>>,
     /// `dx/dt`: n outputs.
@@ -86,6 +88,7 @@ impl Automaton {
             &s.floors,
             &s.margins,
             &kinks.modes,
+            &s.bends,
         ] {
             inputs.extend(group);
         }
@@ -136,6 +139,7 @@ impl Automaton {
             width: model.states.len(),
             ticks,
             resets,
+            arguments: inputs.len(),
             twins,
             flow: Tape::compile(graph, &inputs, rates)?,
             kinks: kinks.surfaces.len(),

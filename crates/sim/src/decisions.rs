@@ -70,8 +70,6 @@ decisions! {
 
     /// Within this distance of a multiple of its period what is held jumps.
     SAME_TICK: f64 = 1e-9, "part of the period", ROUNDING;
-    /// The distance over which the bend of an input is measured.
-    BEND_STEP: f64 = 1e-3, "knots", Basis::Derived("exact within one cubic; rounding is 1e-13 of the slope over this");
     /// So many impacts at one instant end at rest.
     MOST_STRIKES: usize = 100, "impacts", Basis::Judgement("a chain of bodies passes an impulse on once for each pair");
 

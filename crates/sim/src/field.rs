@@ -2,13 +2,12 @@
 //! contacts.
 
 use crate::automaton::Automaton;
-use crate::decisions::{AT_KINK, BEND_STEP, LEAST_SPEED, OFF_SURFACE, ON_SURFACE};
+use crate::decisions::{AT_KINK, LEAST_SPEED, OFF_SURFACE, ON_SURFACE};
 use crate::elimination::solve_in_place;
 use crate::flow::Flow;
 use crate::linearisation::{Free, LANES, Linearisation};
 use crate::trajectory::Drive;
 use phisindy_expr::{Scratch, Tape};
-use phisindy_signal::{Interpolation, Signal};
 
 /// The automaton with its scratch memory, the drive, and the present modes.
 pub(crate) struct Field<'a> {
@@ -121,11 +120,19 @@ impl<'a> Field<'a> {
         self.modes.len()
     }
 
-    /// Within this distance a switch has not left its surface; on which side of it a kink is does not matter.
+    /// Within this distance a switch has not left its surface; on which side of it a kink is does not matter. A gap is put
+    /// exactly on its surface.
     pub(crate) fn near(&self, c: usize) -> f64 {
+        if c >= self.gap(0) {
+            return 4.0 * f64::EPSILON * self.speed[c];
+        }
         let rounding = ON_SURFACE * self.speed[c];
-        let kinks = self.switches()..self.gap(0);
-        if !kinks.contains(&c) { rounding } else { rounding.max(AT_KINK * self.tolerance * self.scale[c]) }
+        if c < self.switches() { rounding } else { rounding.max(AT_KINK * self.tolerance * self.scale[c]) }
+    }
+
+    /// Within this distance a gap is closed.
+    pub(crate) fn closed(&self, c: usize) -> f64 {
+        ON_SURFACE * self.speed[c]
     }
 
     /// Measures kinks and gaps: the smallest `|w|` that matters, for this smallest size of each state.
@@ -156,12 +163,8 @@ impl<'a> Field<'a> {
     /// is 0 for an impact that ends at rest.
     pub(crate) fn evaluate_resets(&mut self, t: f64, x: &[f64], rebounds: f64) {
         self.write(Which::Reset, t, x);
-        let (u, p) = (self.automaton.inputs, self.automaton.parameters);
-        let first = 1 + x.len() + 2 * u + p + 4 * self.switches() + self.automaton.kinks;
-        for (k, signal) in self.drive.inputs.iter().enumerate() {
-            self.reset.input(first + k)[0] = bend(signal, self.origin + t);
-        }
-        self.reset.input(first + u)[0] = rebounds;
+        let last = self.automaton.arguments;
+        self.reset.input(last)[0] = rebounds;
         self.reset.run();
     }
 
@@ -501,16 +504,6 @@ fn lanes<'m>(
     memory.get_or_insert_with(|| prepared(automaton, drive, &automaton.jacobian.tape))
 }
 
-/// The second derivative of a signal: that of its own cubic, or none.
-fn bend(signal: &Signal, t: f64) -> f64 {
-    if signal.kind() != Interpolation::Cubic {
-        return 0.0;
-    }
-    let time = signal.time();
-    let h = BEND_STEP * (time[time.len() - 1] - time[0]) / time.len() as f64;
-    (signal.slope(t + h) - signal.slope(t - h)) / (2.0 * h)
-}
-
 /// Moves a point with this `w` onto the surface along the normal.
 fn onto_surface(w: f64, normal: impl Fn(usize) -> f64, x: &mut [f64]) {
     let length: f64 = (0..x.len()).map(|j| normal(j).powi(2)).sum();
@@ -579,6 +572,11 @@ impl Arguments<'_> {
         }
         for (k, &mode) in self.modes[c..c + self.automaton.kinks].iter().enumerate() {
             scratch.input(first + 4 * c + k)[lane] = mode;
+        }
+        let first = first + 4 * c + self.automaton.kinks;
+        for (k, signal) in self.drive.inputs.iter().enumerate().take(self.automaton.arguments - first) {
+            let left = self.left_of.map_or(t, |edge| t.min(edge.next_down()));
+            scratch.input(first + k)[lane] = signal.bend(left.max(self.right_of), &mut hints[k]);
         }
     }
 }

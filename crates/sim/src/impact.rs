@@ -17,7 +17,7 @@ impl Run<'_> {
         for k in 0..self.field.reactions() {
             self.here.evaluate(&mut self.field, self.t, &self.x);
             let (gap, slow) = (self.field.gap(k), DETACHED * self.field.scale[self.field.reaction(k)]);
-            if self.here.w[gap] <= self.field.near(gap) && self.here.rate[gap] <= slow {
+            if self.here.w[gap] <= self.field.closed(gap) && self.here.rate[gap] <= slow {
                 self.strike(k, false, self.here.rate[gap] < -slow);
             }
         }
@@ -50,7 +50,7 @@ impl Run<'_> {
         let closes = |&k: &usize| {
             let (gap, reaction) = (self.field.gap(k), self.field.reaction(k));
             !self.field.stuck[reaction]
-                && self.here.w[gap] <= self.field.near(gap)
+                && self.here.w[gap] <= self.field.closed(gap)
                 && self.here.rate[gap] < -DETACHED * self.field.scale[reaction]
         };
         (0..self.field.reactions()).find(closes).map(|k| self.field.gap(k))
@@ -144,7 +144,8 @@ impl Run<'_> {
         let tolerance = self.options.tolerance;
         let unseen =
             speed <= tolerance * self.field.scale[reaction] && height <= tolerance * self.field.scale[gap];
-        let rests = unseen || flight <= 2.0 * SHORTEST_RETURN * self.span;
+        let unlocated = height <= 4.0 * self.field.near(gap) || flight <= 2.0 * SHORTEST_RETURN * self.span;
+        let rests = unseen || unlocated;
         if rests {
             self.field.pressed[k] = press;
         }

@@ -32,8 +32,7 @@ impl Reset {
 
 /// All jumps of a model: those of what it holds, then those of its impacts.
 ///
-/// The inputs of the tape are those of all tapes, `d2u/dt2..`, and whether an impact rebounds: 1, or 0 for one that ends
-/// at rest.
+/// The inputs of the tape are those of all tapes, and whether an impact rebounds: 1, or 0 for one that ends at rest.
 #[derive(Clone, Debug)]
 pub(crate) struct Resets {
     pub(crate) tape: Tape,
@@ -50,12 +49,8 @@ impl Resets {
         of: &mut Switched,
         inputs: &[Id],
     ) -> Result<Resets, Unbound> {
-        let mut fresh = |name: &str| {
-            let symbol = of.names.intern(name);
-            of.graph.symbol(symbol)
-        };
-        let bends: Vec<Id> = (0..model.inputs.len()).map(|k| fresh(&format!("bend {k}"))).collect();
-        let rebounds = fresh("rebounds");
+        let rebounds = of.names.intern("does rebound");
+        let rebounds = of.graph.symbol(rebounds);
         let graph = &mut of.graph;
         let mut maps: Vec<Vec<(usize, Id)>> = Vec::new();
         maps.extend(held.iter().flat_map(|h| h.resets(&model.states)).map(|reset| vec![reset]));
@@ -72,9 +67,10 @@ impl Resets {
             maps.push(map.collect());
         }
         let one = graph.constant(1.0);
-        let given: Vec<Id> =
-            model.inputs.iter().chain(&of.slopes).chain(once(&model.time)).copied().collect();
-        let moves: Vec<Id> = of.slopes.iter().chain(&bends).chain(once(&one)).copied().collect();
+        let given = model.inputs.iter().chain(once(&model.time)).chain(&of.slopes);
+        let given: Vec<Id> = given.copied().collect();
+        // What is held jumps at times that do not move.
+        let moves: Vec<Id> = of.slopes.iter().chain(once(&one)).chain(&of.bends).copied().collect();
         let (mut outputs, mut all) = (Vec::new(), Vec::new());
         for map in maps {
             let (targets, nodes): (Vec<usize>, Vec<Id>) = map.into_iter().unzip();
@@ -90,7 +86,7 @@ impl Resets {
         }
         let restitutions = outputs.len();
         outputs.extend(model.impacts.iter().map(|impact| impact.restitution));
-        let inputs: Vec<Id> = inputs.iter().chain(&bends).chain(once(&rebounds)).copied().collect();
+        let inputs: Vec<Id> = inputs.iter().chain(once(&rebounds)).copied().collect();
         Ok(Resets { tape: Tape::compile(graph, &inputs, &outputs)?, all, restitutions })
     }
 }

@@ -33,6 +33,8 @@ pub struct Switched {
     pub switches: Vec<Switch>,
     /// `du/dt` of each input.
     pub slopes: Vec<Id>,
+    /// `d2u/dt2` of each input, beside impacts: what rests on something that moves feels it.
+    pub bends: Vec<Id>,
     /// For each switch its mode `s`.
     pub modes: Vec<Id>,
     /// For each switch the side `e`.
@@ -95,6 +97,8 @@ impl Switched {
         let mut modes = fresh(&mut graph, &mut names, "mode", frictions);
         modes.extend(model.impacts.iter().map(|impact| impact.reaction));
         let slopes = fresh(&mut graph, &mut names, "slope", model.inputs.len());
+        let moved = if model.impacts.is_empty() { 0 } else { slopes.len() };
+        let bends = fresh(&mut graph, &mut names, "bend", moved);
         let one = graph.constant(1.0);
         let mut flow_of = model.states.clone();
         flow_of.extend(&model.inputs);
@@ -113,11 +117,15 @@ impl Switched {
         let outputs = graph.replace(&model.outputs, &with);
 
         // dw/dt by the chain rule, through states, inputs and time.
-        let velocity: Vec<Id> = rates.iter().chain(&slopes).copied().chain([one]).collect();
+        let mut velocity: Vec<Id> = rates.iter().chain(&slopes).copied().chain([one]).collect();
+        flow_of.extend(slopes.iter().take(moved));
+        velocity.extend(&bends);
         let surface_rates: Vec<Id> =
             surfaces.iter().map(|&w| drift(&mut graph, w, &flow_of, &velocity)).collect();
-        let given: Vec<Id> = model.inputs.iter().copied().chain([model.time]).collect();
-        let moves: Vec<Id> = slopes.iter().copied().chain([one]).collect();
+        let given =
+            model.inputs.iter().copied().chain([model.time]).chain(slopes.iter().take(moved).copied());
+        let given: Vec<Id> = given.collect();
+        let moves: Vec<Id> = slopes.iter().copied().chain([one]).chain(bends.iter().copied()).collect();
         let mut drifts =
             |of: &[Id]| -> Vec<Id> { of.iter().map(|&f| drift(&mut graph, f, &given, &moves)).collect() };
         let output_drifts = drifts(&outputs);
@@ -140,6 +148,7 @@ impl Switched {
             names,
             switches,
             slopes,
+            bends,
             modes,
             sides,
             floors,
