@@ -8,7 +8,7 @@
 
 use crate::system::equations::System;
 use crate::system::model::Model;
-use phisindy_expr::{Graph, Id, Names};
+use phisindy_expr::{Binary, Graph, Id, Names, Node};
 use std::collections::HashMap;
 
 /// An impact that the spec names.
@@ -39,6 +39,32 @@ pub struct Rebound {
 }
 
 impl System {
+    /// Whether something is held between the samples of a controller.
+    pub fn holds(&self) -> bool {
+        let outputs = self.outputs.iter().map(|output| output.node);
+        let roots: Vec<Id> = self.known.iter().copied().chain(outputs).collect();
+        let terms: Vec<Id> = self.terms.iter().map(|term| term.value).collect();
+        let is_held = |id: &Id| matches!(self.graph.node(*id), Node::Binary(Binary::Hold, ..));
+        [roots, terms].iter().any(|of| self.graph.reachable(of).iter().any(is_held))
+    }
+
+    /// Whether states jump: see [`Impact`] and [`System::holds`].
+    pub fn jumps(&self) -> bool {
+        !self.impacts.is_empty() || self.holds()
+    }
+
+    /// The rates of the gaps of impacts, apart from what moves beside the states.
+    pub fn gap_rates(&self, graph: &mut Graph) -> Vec<Id> {
+        let rate = |impact: &Impact| {
+            let zero = graph.constant(0.0);
+            self.closing(graph, impact.gap).into_iter().fold(zero, |sum, (speed, slope)| {
+                let part = graph.mul(slope, self.states[speed].node);
+                graph.add(sum, part)
+            })
+        };
+        self.impacts.iter().map(rate).collect()
+    }
+
     /// The speeds by which the rate of a gap is made, and its derivative by each.
     pub(crate) fn closing(&self, graph: &mut Graph, gap: Id) -> Vec<(usize, Id)> {
         let displacements = || self.states.iter().filter(|s| s.velocity.is_some());
