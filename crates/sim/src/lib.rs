@@ -12,6 +12,7 @@
 //! States may jump: where a gap closes (`impact`), and at the times of a sampled controller (`held`). Both are a reset
 //! `x+ = G(t, x-, p)` with its derivatives (`resets`).
 
+mod arguments;
 mod automaton;
 mod columns;
 mod contact;

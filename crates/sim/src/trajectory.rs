@@ -145,6 +145,12 @@ impl Trajectory {
         self.states.iter().skip(index).step_by(self.n.max(1)).copied().collect()
     }
 
+    /// Whether a contact or a gap changes within a time of an instant.
+    pub fn changes_near(&self, time: f64, within: f64) -> bool {
+        let events = self.events.iter().map(|event| event.time);
+        events.chain(self.hits.iter().map(|hit| hit.time)).any(|t| (t - time).abs() < within)
+    }
+
     /// Number of samples.
     pub fn samples(&self) -> usize {
         self.states.len() / self.n.max(1)

@@ -76,6 +76,14 @@ impl Checker {
             ));
             return false;
         }
+        let held = |id: &Id| matches!(self.graph.node(*id), Node::Binary(Binary::Hold, ..));
+        if self.graph.reachable(&[gap]).iter().any(held) {
+            let message = format!("`{}` is no gap: what is held jumps", text.value);
+            self.error(message, text.span, "")
+                .help
+                .push("write the gap between the bodies, without a controller".into());
+            return false;
+        }
         let mut graph = self.graph.clone();
         let closing = system.closing(&mut graph, gap);
         let shared = |k: usize| system.inertia[k].is_none();
@@ -118,6 +126,16 @@ impl Checker {
                 })
                 .flat_map(|timing| names_below(ast, timing)),
         );
+        let sampled = ast.nodes.iter().filter_map(|node| match node.kind {
+            AstKind::Binary(Binary::Hold, of, _) => Some(of),
+            _ => None,
+        });
+        if sampled.flat_map(|of| names_below(ast, of)).any(|name| name.starts_with("rate ")) {
+            self.error("`hold` takes no `rate(...)`", text.span, "")
+                .help
+                .push("a rate jumps where friction does: hold what makes it, such as the force".into());
+            return;
+        }
         for id in self.graph.reachable(&[root]) {
             let Node::Binary(Binary::Hold, _, timing) = self.graph.node(id) else { continue };
             let (period, delay) = match self.graph.node(timing) {
