@@ -6,6 +6,8 @@
 //! `1/2` for `pos` and `dead` at their corners. Only `gate` hides the side that it excludes, including NaN,
 //! in its value and in every derivative (`masked` products carry this past infinite slopes). All other
 //! operations require a finite value even of a side with slope 0 (0 times infinity is NaN).
+//!
+//! `hold` is what it holds, for all that know no time; a simulation puts a state in its place that jumps.
 
 use crate::{Graph, Id, elementary};
 
@@ -200,6 +202,8 @@ binary_table! {
     Gate "gate" 0 |a, b| if b > 0.0 { a } else { 0.0 }; |g, a, b, y| { let one = g.constant(1.0); g.binary(Binary::Gate, one, b) },
         g.constant(0.0); |_, b| b.abs(); 0 "\\operatorname{gate}(#1, #2)" ["gate(#1, #2)", "gate(#1, #2)", "gate(#1, #2)"] "a where b > 0, else 0, whatever a is"
     Masked "masked" 0 |a, b| if a == 0.0 || b == 0.0 { 0.0 } else { a * b }; |g, a, b, y| b, a; |_, _| f64::INFINITY; 1 "\\operatorname{masked}(#1, #2)" ["masked(#1, #2)", "masked(#1, #2)", "masked(#1, #2)"] "product in which zero wins, even over infinity; in derivatives below a gate"
+    Hold "hold" 0 |a, _b| a; |g, a, b, y| g.constant(1.0), g.constant(0.0); |_, _| f64::INFINITY; 0 "\\operatorname{hold}(#1, #2)" ["(#1)", "(#1)", "(#1)"] "a as it was at the last multiple of the time b, as a digital controller sees and says it; `hold(a, b, c)` comes into force a time c later"
+    Timing "timing" 0 |a, _b| a; |g, a, b, y| g.constant(1.0), g.constant(0.0); |_, _| f64::INFINITY; 0 "#1, #2" ["(#1)", "(#1)", "(#1)"] "period a and delay b of what is held"
 }
 
 /// Whole numbers about zero: `floor` jumps at each.
@@ -270,7 +274,7 @@ fn outside(g: &mut Graph, x: Id, gap: Id) -> Id {
     step_between(g, gap, size)
 }
 
-/// A function by its name in the language. `gate` and `masked` are internal and not offered.
+/// A function by its name in the language. `gate`, `timing` and `masked` are internal and not offered.
 pub fn function(name: &str) -> Option<Function> {
     let unary =
         UNARY.iter().filter(|r| !r.name.is_empty()).find(|r| r.name == name).map(|r| Function::One(r.op));
@@ -283,7 +287,9 @@ pub fn function_names() -> impl Iterator<Item = &'static str> {
 }
 
 fn named_binary() -> impl Iterator<Item = &'static BinaryRow> {
-    BINARY.iter().filter(|r| r.precedence == 0 && !matches!(r.op, Binary::Gate | Binary::Masked))
+    BINARY
+        .iter()
+        .filter(|r| r.precedence == 0 && !matches!(r.op, Binary::Gate | Binary::Timing | Binary::Masked))
 }
 
 /// The operation behind a function name.

@@ -47,6 +47,7 @@ fn of_operation(op: Binary, (a, b): (Parity, Parity), right: Option<f64>) -> Opt
             Some(if power % 2.0 == 0.0 { Parity::Even } else { Parity::Odd })
         }
         Binary::Atan2 if b == Parity::Even => Some(a),
+        Binary::Hold => Some(a),
         // `dead(x, g)` is odd in `x`; a gate lets pass or not.
         Binary::Dead | Binary::Gate => (b == Parity::Even).then_some(a),
         _ => (a == Parity::Even && b == Parity::Even).then_some(Parity::Even),

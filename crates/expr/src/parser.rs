@@ -333,6 +333,10 @@ impl Parser<'_> {
         let kind = match (function, arguments.as_slice()) {
             (Function::One(op), &[a]) => AstKind::Unary(op, a),
             (Function::Two(op), &[a, b]) => AstKind::Binary(op, a, b),
+            (Function::Two(Binary::Hold), &[a, b, c]) => {
+                let timing = self.nodes[b].span.to(self.nodes[c].span);
+                AstKind::Binary(Binary::Hold, a, self.push(AstKind::Binary(Binary::Timing, b, c), timing))
+            }
             _ => {
                 let kind = ParseErrorKind::WrongArguments(name, function.arity(), arguments.len());
                 return Err(ParseError { kind, span: span.to(end) });

@@ -96,6 +96,9 @@ impl Graph {
                 vec![Piece::Text(op.row().name), Piece::Text("("), Piece::Node(a, 0), Piece::Text(")")]
             }
             (Node::Unary(op, a), Style::Latex) => self.filled(op.row().latex, &[(a, 0)]),
+            (Node::Binary(Binary::Timing, a, b), Style::Text) => {
+                vec![Piece::Node(a, 0), Piece::Text(", "), Piece::Node(b, 0)]
+            }
             (Node::Binary(op, a, b), Style::Text) if op.row().precedence == 0 => {
                 let open = [Piece::Text(op.row().name), Piece::Text("("), Piece::Node(a, 0)];
                 open.into_iter().chain([Piece::Text(", "), Piece::Node(b, 0), Piece::Text(")")]).collect()

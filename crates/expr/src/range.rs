@@ -75,6 +75,7 @@ fn of_operation(op: Binary, a: Range, b: Range, right: Option<f64>) -> Range {
         },
         Binary::Min => (a.0.min(b.0), a.1.min(b.1)),
         Binary::Max => (a.0.max(b.0), a.1.max(b.1)),
+        Binary::Hold => a,
         Binary::Gate => (a.0.min(0.0), a.1.max(0.0)),
         Binary::Mod if b.0 >= 0.0 => (0.0, b.1),
         Binary::Atan2 => (-PI, PI),

@@ -77,7 +77,9 @@ fn unary(g: &mut Graph, op: Unary, a: Id) -> Option<Id> {
 /// The simpler node for `op(a, b)`, if a rule applies.
 fn binary(g: &mut Graph, op: Binary, a: Id, b: Id) -> Option<Id> {
     let (x, y) = (g.value(a), g.value(b));
-    if let (Some(x), Some(y)) = (x, y) {
+    if let (Some(x), Some(y)) = (x, y)
+        && op != Binary::Timing
+    {
         let z = (op.row().value)(x, y);
         return z.is_finite().then(|| g.constant(z));
     }
@@ -108,6 +110,7 @@ fn binary(g: &mut Graph, op: Binary, a: Id, b: Id) -> Option<Id> {
         Binary::Pow if y == zero => Some(g.constant(1.0)),
         Binary::Pow if y == one => Some(a),
         Binary::Min | Binary::Max if a == b => Some(a),
+        Binary::Hold if x.is_some() => Some(a),
         Binary::Gate if x == zero => Some(a),
         Binary::Gate => y.map(|c| if c > 0.0 { a } else { g.constant(0.0) }),
         _ => None,

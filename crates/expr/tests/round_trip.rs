@@ -151,6 +151,8 @@ fn text_has_only_the_parentheses_it_needs() {
         "2*(x/y)",
         "a/b/c",
         "-(a + b)",
+        "hold(a - b, T)",
+        "min(hold(a, 0.01, 0.002), 2*c)",
     ] {
         let mut bench = Bench::new();
         let id = bench.read(text);

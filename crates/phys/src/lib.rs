@@ -34,8 +34,10 @@ pub use law::{
 pub use suspicion::{Suspicion, Wrap, clipped, suspicions, wraps};
 pub use system::check::{Case, check, check_names, takes_units};
 pub use system::constants::Value;
+pub use system::equations::with_reactions;
 pub use system::equations::{Constraint, Contact, Input, NamedPlace, Output, Parameter, State, System, Term};
 pub use system::filter::{Filter, FilterKind, NotLinear};
+pub use system::impact::{Impact, Rebound};
 pub use system::model::Model;
 pub use system::note::Note;
 pub use system::own_times::OwnTimes;

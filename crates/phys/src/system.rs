@@ -10,6 +10,7 @@ pub(crate) mod check;
 pub(crate) mod constants;
 pub(crate) mod equations;
 pub(crate) mod filter;
+pub(crate) mod impact;
 mod lagrange;
 mod measured;
 pub(crate) mod model;

@@ -5,7 +5,7 @@ mod linear_combination;
 use linear_combination::{LinearCombination, split};
 use phisindy_expr::{Binary, Graph, Id, Names, Node, Unary, latex_rate};
 use phisindy_learn::{FoundParameter, FoundTerm};
-use phisindy_phys::{Case, System};
+use phisindy_phys::{Case, Impact, System};
 use std::collections::{HashMap, HashSet};
 use std::fmt::Write as _;
 
@@ -20,6 +20,44 @@ pub struct Equation {
     pub text: String,
     /// The names that the right side uses.
     pub(crate) uses: Vec<String>,
+}
+
+/// What happens where a gap closes, in SI units.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct ImpactLine {
+    /// What the spec calls it.
+    pub name: String,
+    /// The gap in the language of the specs.
+    pub when: String,
+    /// The number, if it is one for all records.
+    pub restitution: Option<f64>,
+    /// The whole line.
+    pub latex: String,
+    /// The same in the language of the specs.
+    pub text: String,
+}
+
+/// The impacts of a system with the numbers that were found.
+pub(crate) fn impacts_of(system: &System, case: &Case, parameters: &[FoundParameter]) -> Vec<ImpactLine> {
+    let mut writer = Writer::new(system, case, parameters);
+    let line = |impact: &Impact| {
+        let (gap, part) = (writer.filled(impact.gap), writer.filled(impact.restitution));
+        let (graph, names) = (&writer.graph, &writer.names);
+        let [gap_latex, part_latex] = [gap, part].map(|id| graph.latex(id, names));
+        let [when, part_text] = [gap, part].map(|id| graph.text(id, names));
+        let rate = match graph.node(gap) {
+            Node::Symbol(of) => latex_rate(names.name(of)),
+            _ => format!("\\frac{{d}}{{dt}}\\left({gap_latex}\\right)"),
+        };
+        ImpactLine {
+            name: impact.name.clone(),
+            latex: format!("{gap_latex} = 0:\\; {rate}^{{+}} = -{part_latex}\\,{rate}^{{-}}"),
+            text: format!("{}: where {when} = 0 its rate is reversed, times {part_text}", impact.name),
+            restitution: graph.value(part),
+            when,
+        }
+    };
+    system.impacts.iter().map(line).collect()
 }
 
 /// The equations of all states that have candidates. Where the spec names laws, asks for formulas, or has no

@@ -123,7 +123,7 @@ impl Body<'_> {
         for (k, &i) in own.iter().enumerate().step_by(own.len().div_ceil(SAMPLES).max(1)) {
             let t = record.time[i];
             // Over a change of mode the smoothed acceleration is a mean of two.
-            let changes = run.events.iter().any(|e| (e.time - t).abs() < half);
+            let changes = run.changes_near(t, half);
             let switches = run.modes.len() / record.len().max(1);
             let held = run.modes[i * switches..(i + 1) * switches].contains(&0);
             let Some([value, slope, curvature]) = smooth.at(k) else { continue };

@@ -244,6 +244,32 @@ impl Signal {
         self.value_and_slope(t, &mut hint).1
     }
 
+    /// The time derivative of [`slope`](Self::slope) at `t`, apart from jumps of the slope. The search starts at `hint`,
+    /// as in [`value_and_slope`](Self::value_and_slope).
+    ///
+    /// ```
+    /// # use std::sync::Arc;
+    /// # use phisindy_signal::{Interpolation, Signal};
+    /// let square = Signal::new(Arc::from([0.0, 1.0, 3.0, 4.0]), vec![0.0, 1.0, 9.0, 16.0], Interpolation::Cubic)?;
+    /// assert!((square.bend(2.5, &mut 0) - 2.0).abs() < 1e-12 && square.bend(5.0, &mut 0) == 0.0);
+    /// # Ok::<(), phisindy_signal::SignalError>(())
+    /// ```
+    pub fn bend(&self, t: f64, hint: &mut usize) -> f64 {
+        let (i, last) = (self.interval(t, *hint), self.time.len() - 1);
+        *hint = i;
+        if let Some(before) = self.before.as_ref().filter(|_| t < self.time[0]) {
+            return before.bend(t, &mut NO_HINT.clone());
+        }
+        if self.kind != Interpolation::Cubic || last == 0 || !(self.time[0]..=self.time[last]).contains(&t) {
+            return 0.0;
+        }
+        let h = self.time[i + 1] - self.time[i];
+        let chord = (self.values[i + 1] - self.values[i]) / h;
+        let (s0, s1) = (self.slopes[i], self.slopes[i + 1]);
+        let twist = s0 + s1 - 2.0 * chord;
+        (2.0 * (chord - s0) + (6.0 * (t - self.time[i]) / h - 2.0) * twist) / h
+    }
+
     /// Value and slope at `t`. The search for the interval starts at `hint`, which is set to the interval
     /// found.
     ///

@@ -1,8 +1,10 @@
 //! A model compiled to a hybrid automaton: smooth rates for every combination of modes, and the surfaces
 //! between them.
 
+use crate::held::{Held, Tick};
 use crate::jacobian::Jacobian;
 use crate::kinks::Kinks;
+use crate::resets::Resets;
 use crate::switched::{Switch, Switched, drift};
 use phisindy_expr::{Id, Tape, Unbound};
 use phisindy_phys::Model;
@@ -10,8 +12,8 @@ use std::iter::once;
 
 /// The compiled automaton: immutable, shared between threads.
 ///
-/// The inputs of all its tapes are `[t, x.., u.., du/dt.., p.., s.., e.., d.., b.., k..]`; [`Switched`] says
-/// what `s`, `e`, `d` and `b` are, and `k` are the modes of the kinks.
+/// The inputs of all its tapes are `[t, x.., u.., du/dt.., p.., s.., e.., d.., b.., k.., d2u/dt2..]`; [`Switched`]
+/// says what `s`, `e`, `d` and `b` are, and `k` are the modes of the kinks. The last ones are there beside impacts.
 #[derive(Clone, Debug)]
 pub struct Automaton {
     /// Names of the states, for messages.
@@ -22,15 +24,24 @@ pub struct Automaton {
     pub parameters: usize,
     /// How many outputs.
     pub outputs: usize,
-    /// The surfaces.
+    /// The surfaces of contacts.
     pub switches: Vec<Switch>,
+    /// How many states there are with those that hold something, which follow the others.
+    pub(crate) width: usize,
+    /// When what is held jumps.
+    pub(crate) ticks: Vec<Tick>,
+    pub(crate) resets: Resets,
+    /// How many inputs the tapes have.
+    pub(crate) arguments: usize,
+    /// For each impact, the contact at whose surface its gap rests too.
+    pub(crate) twins: Vec<Option<usize>>,
     /// `dx/dt`: n outputs.
     pub(crate) flow: Tape,
-    /// How many kinks: surfaces that follow those of the switches.
+    /// How many kinks: surfaces that follow those of the switches; the gaps of impacts follow them.
     pub(crate) kinks: usize,
     /// `w` (c), `dw/dt` (c), `d(dw/dt)/ds` (c x c), `dw/dx` (c x n), then `w` and `dw/dt` of the kinks.
     pub(crate) surface: Tape,
-    /// `dw/dx` of the kinks (kinks x n).
+    /// `dw/dx` of kinks and gaps, row by row.
     pub(crate) kink_normals: Tape,
     /// `w` (c), `dw/dx` (c x n): what keeps a contact at rest.
     pub(crate) rest: Tape,
@@ -57,10 +68,14 @@ impl Automaton {
     /// ```
     pub fn new(model: &Model) -> Result<Automaton, Unbound> {
         let mut model = model.clone();
+        let own = model.states.len();
+        let held = Held::replace(&mut model);
         let kinks = Kinks::replace(&mut model);
         let model = &model;
         let mut switched = Switched::new(model);
-        let (kink_rates, kink_normals) = motion(&mut switched, model, &kinks.surfaces);
+        let gaps = model.impacts.iter().map(|impact| impact.gap);
+        let located: Vec<Id> = kinks.surfaces.iter().copied().chain(gaps).collect();
+        let (located_rates, kink_normals) = motion(&mut switched, model, &located);
         let mut inputs = vec![model.time];
         let s = &switched;
         for group in [
@@ -73,15 +88,27 @@ impl Automaton {
             &s.floors,
             &s.margins,
             &kinks.modes,
+            &s.bends,
         ] {
             inputs.extend(group);
         }
-        let surface = [&s.surfaces, &s.surface_rates, &s.influence, &s.normals, &kinks.surfaces, &kink_rates];
+        let surface = [&s.surfaces, &s.surface_rates, &s.influence, &s.normals, &located, &located_rates];
         let surface: Vec<Id> = surface.into_iter().flatten().copied().collect();
 
         let rest: Vec<Id> = s.surfaces.iter().chain(&s.normals).copied().collect();
 
         let jacobian = Jacobian::new(model, &mut switched, &inputs)?;
+        let resets = Resets::new(model, &held, &mut switched, &inputs)?;
+        let mut ticks: Vec<Tick> = Vec::new();
+        for held in &held {
+            ticks.extend(held.ticks(ticks.len()));
+        }
+        let frictions = switched.switches.len() - switched.reactions;
+        let twins = (frictions..switched.switches.len()).map(|k| {
+            let own = [switched.surfaces[k], switched.graph.neg(switched.surfaces[k])];
+            switched.surfaces[..frictions].iter().position(|w| own.contains(w))
+        });
+        let twins = twins.collect();
         let Switched {
             graph,
             switches,
@@ -104,11 +131,16 @@ impl Automaton {
             }
         }
         Ok(Automaton {
-            states: (0..model.states.len()).map(|k| model.state_name(k).to_owned()).collect(),
+            states: (0..own).map(|k| model.state_name(k).to_owned()).collect(),
             inputs: model.inputs.len(),
             parameters: model.parameters.len(),
             outputs: model.outputs.len(),
-            switches: std::mem::take(switches),
+            switches: switches.drain(..frictions).collect(),
+            width: model.states.len(),
+            ticks,
+            resets,
+            arguments: inputs.len(),
+            twins,
             flow: Tape::compile(graph, &inputs, rates)?,
             kinks: kinks.surfaces.len(),
             surface: Tape::compile(graph, &inputs, &surface)?,
@@ -117,6 +149,11 @@ impl Automaton {
             output: Tape::compile(graph, &inputs, &read)?,
             jacobian,
         })
+    }
+
+    /// How many resets there are of what is held; those of impacts follow.
+    pub(crate) fn resets_of_held(&self) -> usize {
+        self.ticks.len()
     }
 }
 

@@ -6,6 +6,7 @@ use crate::dense::Dense;
 use crate::dopri::{self, A, STAGES};
 use crate::linearisation::Linearisation;
 use crate::radau;
+use crate::resets::Row;
 use crate::step::Method;
 use phisindy_expr::wide;
 
@@ -37,18 +38,18 @@ pub(crate) struct Columns {
 }
 
 impl Columns {
-    /// All `m` columns of `n` states at the start: the unit matrix, then zeros.
-    pub(crate) fn all(n: usize, m: usize) -> Vec<Columns> {
+    /// All `m` columns of `n` states, the first of which have a start, at the start: the unit matrix, then zeros.
+    pub(crate) fn all((n, starts): (usize, usize), m: usize) -> Vec<Columns> {
         let vectors = m.div_ceil(VECTOR);
         let blocks = m.div_ceil(MOST);
         let edge = |b: usize| (b * vectors / blocks.max(1) * VECTOR).min(m);
-        (0..blocks).map(|b| Columns::new(n, edge(b), edge(b + 1))).collect()
+        (0..blocks).map(|b| Columns::new((n, starts), edge(b), edge(b + 1))).collect()
     }
 
-    fn new(n: usize, first: usize, end: usize) -> Columns {
+    fn new((n, starts): (usize, usize), first: usize, end: usize) -> Columns {
         let (count, width) = (end - first, (end - first).next_multiple_of(VECTOR));
         let mut s = vec![0.0; n * width];
-        (first..end.min(n)).for_each(|i| s[i * width + i - first] = 1.0);
+        (first..end.min(starts)).for_each(|i| s[i * width + i - first] = 1.0);
         Columns {
             first,
             count,
@@ -60,7 +61,7 @@ impl Columns {
             sizes: s.clone(),
             reach: vec![0.0; width],
             s,
-            live: (0..n).map(|i| (first..end).contains(&i)).collect(),
+            live: (0..n).map(|i| i < starts && (first..end).contains(&i)).collect(),
             dense: Dense::default(),
         }
     }
@@ -319,6 +320,27 @@ impl Columns {
     pub(crate) fn add_along(&self, normal: &[f64], out: &mut [f64]) {
         for (i, weight) in normal.iter().enumerate().filter(|(_, w)| **w != 0.0) {
             out[self.first..].iter_mut().zip(self.row(i)).for_each(|(out, s)| *out += weight * s);
+        }
+    }
+
+    /// Lets the rows of states that jump follow from those before, at a time that moves by `moves`.
+    pub(crate) fn map(&mut self, rows: &[Row], moves: &[f64]) {
+        let mut new = vec![0.0; rows.len() * self.width];
+        for (row, out) in rows.iter().zip(new.chunks_exact_mut(self.width)) {
+            for &(j, by) in &row.by_state {
+                let s = &self.s[j * self.width..][..self.width];
+                out.iter_mut().zip(s).for_each(|(out, s)| *out += by * s);
+            }
+            let own = |(column, _): &&(usize, f64)| (self.first..self.first + self.count).contains(column);
+            row.by_column.iter().filter(own).for_each(|&(column, by)| out[column - self.first] += by);
+            if !moves.is_empty() {
+                let moves = &moves[self.first..][..self.count];
+                out.iter_mut().zip(moves).for_each(|(out, dt)| *out += row.by_time * dt);
+            }
+        }
+        for (row, new) in rows.iter().zip(new.chunks_exact(self.width)) {
+            self.live[row.target] |= new.iter().any(|s| *s != 0.0);
+            self.s[row.target * self.width..][..self.width].copy_from_slice(new);
         }
     }
 

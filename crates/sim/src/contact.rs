@@ -14,7 +14,7 @@ impl Field<'_> {
     /// smallest size of each state that matters.
     pub(crate) fn begin(&mut self, t: f64, x: &[f64], scale: &[f64]) {
         self.surfaces(t, x);
-        if self.automaton.kinks > 0 {
+        if self.all_surfaces() > self.switches() {
             self.measure_kinks(t, x, scale);
             self.place_kinks(t, x);
         }
@@ -24,6 +24,9 @@ impl Field<'_> {
             self.scale[c] = if size > 0.0 { size } else { 1.0 };
             self.margins[c] = MARGIN * self.scale[c];
             self.speed[c] = self.scale[c].max(self.w(c).abs());
+            if c >= self.frictions() {
+                continue;
+            }
             match self.w(c) {
                 0.0 => on.push(c),
                 w => self.modes[c] = w.signum(),
@@ -74,18 +77,18 @@ impl Field<'_> {
         // friction at all.
         for _ in 0..4 * at_rest.len() + 4 {
             self.solve_stuck_modes(t, x);
-            let load =
-                |f: &Self, c: usize| if f.modes[c].is_nan() { f64::INFINITY } else { f.modes[c].abs() };
+            let load = |f: &Self, c: usize| if f.modes[c].is_nan() { f64::INFINITY } else { f.load(c) };
             let sticking = at_rest.iter().copied().filter(|&c| self.stuck[c]);
             let worst = sticking.max_by(|&a, &b| load(self, a).total_cmp(&load(self, b)));
             if let Some(c) = worst.filter(|&c| load(self, c) > 1.0 + STICK_SLACK) {
-                self.stuck[c] = false;
-                self.modes[c] = if self.modes[c] < 0.0 { -1.0 } else { 1.0 };
+                self.let_go(c);
                 continue;
             }
             self.surfaces(t, x);
-            let relieved =
-                |c: usize| self.modes[c] * self.w_rate(c) < -STICK_SLACK * self.influence(c, c).abs();
+            let relieved = |c: usize| {
+                let direction = if c < self.frictions() { self.modes[c] } else { 1.0 };
+                direction * self.w_rate(c) < -STICK_SLACK * self.influence(c, c).abs()
+            };
             match at_rest.iter().copied().find(|&c| !self.stuck[c] && relieved(c)) {
                 Some(c) => self.stuck[c] = true,
                 None => break,
@@ -97,28 +100,39 @@ impl Field<'_> {
     /// again.
     pub(crate) fn release(&mut self, c: usize, t: f64, x: &[f64]) {
         self.solve_stuck_modes(t, x);
-        self.modes[c] = if self.modes[c] < 0.0 { -1.0 } else { 1.0 };
-        self.stuck[c] = false;
+        self.let_go(c);
         self.resolve(&[], t, x);
+    }
+
+    /// A contact that slips in the direction of its load; a gap that is held no more.
+    fn let_go(&mut self, c: usize) {
+        let direction = if self.modes[c] < 0.0 { -1.0 } else { 1.0 };
+        self.modes[c] = if c < self.frictions() { direction } else { 0.0 };
+        self.stuck[c] = false;
     }
 
     /// Decides the modes again after a jump of an input. A contact that the jump moved off or across its
     /// surface slips; a sticking one may be overloaded.
     pub(crate) fn reconsider(&mut self, t: f64, x: &[f64]) {
+        self.reconsider_beside(&[], t, x);
+    }
+
+    /// As [`Field::reconsider`], with contacts that have come to rest.
+    pub(crate) fn reconsider_beside(&mut self, at_rest: &[usize], t: f64, x: &[f64]) {
         self.place_kinks(t, x);
         for c in 0..self.switches() {
             let (w, far) = (self.w(c), DETACHED * self.speed[c]);
             if self.stuck[c] && w.abs() > far || !self.stuck[c] && w * self.modes[c] < -far {
                 self.stuck[c] = false;
-                self.modes[c] = w.signum();
+                self.modes[c] = if c < self.frictions() { w.signum() } else { 0.0 };
             }
         }
-        self.resolve(&[], t, x);
+        self.resolve(at_rest, t, x);
     }
 
     /// The part of the friction limit that a sticking contact does not use, after
     /// [`Field::solve_stuck_modes`]. The contact slips where it becomes negative.
     pub(crate) fn reserve(&self, c: usize) -> f64 {
-        1.0 - self.modes[c].abs()
+        1.0 - self.load(c)
     }
 }

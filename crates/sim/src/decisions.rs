@@ -66,6 +66,13 @@ decisions! {
     /// ... within this part of the run are chattering, and an error.
     CHATTER_SPAN: f64 = 1e-4, "part of the run", Basis::Judgement("far shorter than the motion");
 
+    // Jumps of states.
+
+    /// Within this distance of a multiple of its period what is held jumps.
+    SAME_TICK: f64 = 1e-9, "part of the period", ROUNDING;
+    /// So many impacts at one instant end at rest.
+    MOST_STRIKES: usize = 100, "impacts", Basis::Judgement("a chain of bodies passes an impulse on once for each pair");
+
     // Step control.
 
     /// A step spans at most this many samples.

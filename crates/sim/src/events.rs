@@ -2,8 +2,8 @@
 //! next mode.
 
 use crate::decisions::{
-    CHATTER_EVENTS, CHATTER_SPAN, LOCATION_CHANGE, LOCATION_ITERATIONS, OVERLOAD, PEAK_ITERATIONS,
-    ROOT_ITERATIONS, ROOT_WIDTH, SHORTEST_RETURN,
+    CHATTER_EVENTS, CHATTER_SPAN, LOCATION_CHANGE, LOCATION_ITERATIONS, MOST_STRIKES, OVERLOAD,
+    PEAK_ITERATIONS, ROOT_ITERATIONS, ROOT_WIDTH, SHORTEST_RETURN,
 };
 use crate::state::Run;
 use crate::trajectory::{Jump, SimError};
@@ -31,7 +31,7 @@ impl Run<'_> {
         }
     }
 
-    fn guard_inside(&mut self, c: usize, theta: f64) -> f64 {
+    pub(crate) fn guard_inside(&mut self, c: usize, theta: f64) -> f64 {
         let mut x = std::mem::take(&mut self.buffer);
         let n = self.x.len();
         self.step.dense().value(theta, &mut x[..n]);
@@ -53,17 +53,27 @@ impl Run<'_> {
     pub(crate) fn first_event(&mut self) -> Search {
         let mut first: Option<(usize, f64)> = None;
         for c in 0..self.field.switches() {
-            let event = if self.field.stuck[c] { self.overload(c) } else { self.crossing(c) };
+            let event = match self.field.stuck[c] {
+                true => self.overload(c),
+                false if c < self.field.frictions() => self.crossing(c),
+                false => Search::None,
+            };
             match event {
                 Search::At(c, theta) if first.is_none_or(|(_, f)| theta < f) => first = Some((c, theta)),
                 Search::Shorter => return Search::Shorter,
                 _ => {}
             }
         }
+        for k in 0..self.field.reactions() {
+            match self.closing(k) {
+                Search::At(c, theta) if first.is_none_or(|(_, f)| theta < f) => first = Some((c, theta)),
+                Search::Shorter => return Search::Shorter,
+                _ => {}
+            }
+        }
         // The earliest kink first, by a guess: the others need only be asked whether they come before it.
-        let mut kinks: Vec<(usize, f64)> = (self.field.switches()..self.field.all_surfaces())
-            .filter_map(|c| Some((c, self.may_turn(c)?)))
-            .collect();
+        let mut kinks: Vec<(usize, f64)> =
+            (self.field.switches()..self.field.gap(0)).filter_map(|c| Some((c, self.may_turn(c)?))).collect();
         kinks.sort_by(|a, b| a.1.total_cmp(&b.1));
         for (c, _) in kinks {
             match self.kink(c, first.map_or(1.0, |(_, theta)| theta)) {
@@ -87,7 +97,7 @@ impl Run<'_> {
     fn overload(&mut self, c: usize) -> Search {
         let load = self.x.len() + c;
         let nodes = self.step.nodes();
-        let reserve = |i: usize| 1.0 - self.step.k[i][load].abs() + OVERLOAD;
+        let reserve = |i: usize| 1.0 - self.step.k[i][load] + OVERLOAD;
         let stages = 0..nodes.len();
         let mut bracket =
             stages.clone().skip(1).find(|&i| reserve(i) < 0.0).map(|i| (nodes[i - 1], nodes[i]));
@@ -108,7 +118,7 @@ impl Run<'_> {
 
     /// Where in the step a slipping switch reaches its surface. A switch that starts on it (just released,
     /// or just crossed) must leave it first.
-    fn crossing(&mut self, c: usize) -> Search {
+    pub(crate) fn crossing(&mut self, c: usize) -> Search {
         let here = self.field.near(c);
         let mode = self.field.modes[c];
         let (start, early) = (mode * self.here.w[c], mode * self.here.rate[c]);
@@ -215,11 +225,16 @@ impl Run<'_> {
         }
         let mut due = Some(first);
         let mut done = Vec::new();
+        let (gaps, mut strikes) = (self.field.gap(0), 0);
         while let Some(c) = due {
-            if c < self.field.switches() {
+            if c >= gaps {
+                strikes += 1;
+                self.strike(c - gaps, true, strikes <= MOST_STRIKES);
+            } else if c < self.field.switches() {
                 self.chatter.0 += 1;
                 if self.chatter.0 > CHATTER_EVENTS {
-                    let switch = self.field.automaton.switches[c].text.clone();
+                    let switches = &self.field.automaton.switches;
+                    let switch = switches.get(c).map_or_else(|| "an impact".to_owned(), |s| s.text.clone());
                     return Err(SimError::TooManyEvents { time: self.time(), switch });
                 }
                 self.change(c);
@@ -228,21 +243,26 @@ impl Run<'_> {
             }
             done.push(c);
             self.here.evaluate(&mut self.field, self.t, &self.x);
-            due = (0..self.field.all_surfaces()).find(|&k| !done.contains(&k) && self.is_due(k));
+            due = (0..gaps).find(|&k| !done.contains(&k) && self.is_due(k)).or_else(|| self.next_closing());
+            if strikes > 2 * MOST_STRIKES {
+                due = None;
+            }
         }
         Ok(())
     }
 
-    /// The outputs at the present point in the present modes.
+    /// States and outputs at the present point in the present modes; nothing where neither jumps.
     pub(crate) fn shown(&mut self) -> Vec<f64> {
-        if self.field.automaton.outputs == 0 {
+        let automaton = self.field.automaton;
+        if automaton.outputs == 0 && self.field.reactions() == 0 {
             return vec![];
         }
         self.field.evaluate_outputs(self.t, &self.x);
-        (0..self.field.automaton.outputs).map(|k| self.field.output_at(k)).collect()
+        let outputs = (0..automaton.outputs).map(|k| self.field.output_at(k));
+        self.x[..self.own].iter().copied().chain(outputs).collect()
     }
 
-    /// Notes by how much the outputs have jumped from what they showed, and how the instant moves.
+    /// Notes by how much states and outputs have jumped from what they showed, and how the instant moves.
     pub(crate) fn note_jump(&mut self, shown: &[f64], moves: Vec<f64>) {
         let by: Vec<f64> = self.shown().iter().zip(shown).map(|(after, before)| after - before).collect();
         if by.iter().any(|jump| *jump != 0.0) {
@@ -282,10 +302,12 @@ impl Run<'_> {
             self.field.stuck_surfaces(self.t, &self.x);
             let w_rate = self.field.w_rate(c);
             let normal: Vec<f64> = (0..n).map(|j| self.field.normal(c, j)).collect();
-            // The state is within rounding of the surface: project it exactly.
-            self.field.project(c, &mut self.x);
             let old = self.rates.clone();
-            let shown = self.shown();
+            let mut shown = self.shown();
+            // The state is within rounding of the surface: project it exactly.
+            self.field.stuck_surfaces(self.t, &self.x);
+            self.field.project(c, &mut self.x);
+            shown.iter_mut().zip(&self.x[..self.own]).for_each(|(shown, x)| *shown = *x);
             self.field.resolve(&[c], self.t, &self.x);
             self.field.rates(self.t, &self.x, &mut self.rates);
             let mut moves = vec![];
@@ -301,7 +323,7 @@ impl Run<'_> {
 
 /// The root of `g` between `good` (positive) and `bad` (negative), to 1e-10, by the Illinois variant of
 /// false position. Returns `bad` if the bracket does not close.
-fn illinois(mut good: f64, mut bad: f64, mut g: impl FnMut(f64) -> f64) -> f64 {
+pub(crate) fn illinois(mut good: f64, mut bad: f64, mut g: impl FnMut(f64) -> f64) -> f64 {
     let (mut high, mut low) = (g(good), g(bad));
     let mut side = 0;
     for _ in 0..ROOT_ITERATIONS {

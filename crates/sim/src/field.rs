@@ -1,6 +1,7 @@
 //! Evaluates the automaton at a point in the present modes: rates, surfaces, and the loads of sticking
 //! contacts.
 
+use crate::arguments::Arguments;
 use crate::automaton::Automaton;
 use crate::decisions::{AT_KINK, LEAST_SPEED, OFF_SURFACE, ON_SURFACE};
 use crate::elimination::solve_in_place;
@@ -18,6 +19,7 @@ pub(crate) struct Field<'a> {
     kink_normals: Scratch<1>,
     rest: Scratch<1>,
     output: Scratch<1>,
+    reset: Scratch<1>,
     jacobian: Option<Scratch<LANES>>,
     hints: Vec<usize>,
     /// The time of the record at which the run starts: what is evaluated here is at times since then.
@@ -30,7 +32,7 @@ pub(crate) struct Field<'a> {
     /// Inputs that are read at the present time all the same: what jumps there has done so.
     pub(crate) stepped: Vec<bool>,
     /// Present mode of each switch: +1, -1, or, while it sticks, the fraction of the friction limit in use;
-    /// then that of each kink: +1 or -1.
+    /// then that of each kink: +1 or -1; then +1 for each gap: it is open.
     pub(crate) modes: Vec<f64>,
     /// Whether a switch sticks; a kink never does.
     pub(crate) stuck: Vec<bool>,
@@ -38,6 +40,8 @@ pub(crate) struct Field<'a> {
     floors: Vec<f64>,
     /// The distance beyond the surface over which friction is continued smoothly.
     pub(crate) margins: Vec<f64>,
+    /// For each impact, how hard it was pressed when its gap came to rest: the acceleration that the reaction balanced.
+    pub(crate) pressed: Vec<f64>,
     /// The smallest `|w|` of switches and kinks that matters, from the scale of the states.
     pub(crate) scale: Vec<f64>,
     /// The local error of a step, relative to the size of each state.
@@ -55,8 +59,9 @@ pub(crate) struct Field<'a> {
 
 impl<'a> Field<'a> {
     pub(crate) fn new(automaton: &'a Automaton, drive: &'a Drive<'a>, origin: f64, tolerance: f64) -> Self {
-        let c = automaton.switches.len();
-        let all = c + automaton.kinks;
+        let reactions = automaton.twins.len();
+        let c = automaton.switches.len() + reactions;
+        let all = c + automaton.kinks + reactions;
         let scratch = |tape| prepared(automaton, drive, tape);
         Field {
             automaton,
@@ -66,16 +71,18 @@ impl<'a> Field<'a> {
             kink_normals: scratch(&automaton.kink_normals),
             rest: scratch(&automaton.rest),
             output: scratch(&automaton.output),
+            reset: scratch(&automaton.resets.tape),
             jacobian: None,
             hints: vec![0; automaton.inputs],
             origin,
             left_of: None,
             right_of: f64::NEG_INFINITY,
             stepped: vec![false; automaton.inputs],
-            modes: vec![0.0; all],
+            modes: (0..all).map(|k| f64::from(u8::from(k >= all - reactions))).collect(),
             stuck: vec![false; all],
             floors: vec![0.0; c],
             margins: vec![0.0; c],
+            pressed: vec![1.0; reactions],
             scale: vec![1.0; all],
             tolerance,
             speed: vec![1.0; all],
@@ -86,32 +93,84 @@ impl<'a> Field<'a> {
         }
     }
 
+    /// Contacts and, after them, the rates of the gaps of impacts.
     pub(crate) fn switches(&self) -> usize {
+        self.frictions() + self.reactions()
+    }
+
+    pub(crate) fn frictions(&self) -> usize {
         self.automaton.switches.len()
     }
 
-    /// Switches and, after them, kinks.
+    pub(crate) fn reactions(&self) -> usize {
+        self.automaton.twins.len()
+    }
+
+    /// The switch that holds the gap of an impact closed.
+    pub(crate) fn reaction(&self, impact: usize) -> usize {
+        self.frictions() + impact
+    }
+
+    /// The surface of the gap of an impact.
+    pub(crate) fn gap(&self, impact: usize) -> usize {
+        self.switches() + self.automaton.kinks + impact
+    }
+
+    /// Switches, kinks, and gaps.
     pub(crate) fn all_surfaces(&self) -> usize {
         self.modes.len()
     }
 
-    /// Within this distance a switch has not left its surface; on which side of it a kink is does not matter.
+    /// Within this distance a switch has not left its surface; on which side of it a kink is does not matter. A gap is put
+    /// exactly on its surface.
     pub(crate) fn near(&self, c: usize) -> f64 {
+        if c >= self.gap(0) {
+            return 4.0 * f64::EPSILON * self.speed[c];
+        }
         let rounding = ON_SURFACE * self.speed[c];
         if c < self.switches() { rounding } else { rounding.max(AT_KINK * self.tolerance * self.scale[c]) }
     }
 
-    /// Measures the kinks: the smallest `|w|` that matters, for this smallest size of each state.
+    /// Within this distance a gap is closed.
+    pub(crate) fn closed(&self, c: usize) -> f64 {
+        ON_SURFACE * self.speed[c]
+    }
+
+    /// Measures kinks and gaps: the smallest `|w|` that matters, for this smallest size of each state.
     pub(crate) fn measure_kinks(&mut self, t: f64, x: &[f64], scale: &[f64]) {
-        let first = self.switches();
+        self.evaluate_located_normals(t, x);
+        for c in self.switches()..self.all_surfaces() {
+            let normal = |j| self.located_normal(c, j);
+            let size: f64 = scale.iter().enumerate().map(|(j, s)| (normal(j) * s).abs()).sum();
+            self.scale[c] = if size > 0.0 { size } else { 1.0 };
+            self.speed[c] = self.w(c).abs();
+            if c >= self.gap(0) {
+                self.speed[c] = self.speed[c].max(self.scale[c]);
+            }
+        }
+    }
+
+    /// Evaluates the normals of kinks and gaps; read them with [`Field::located_normal`].
+    pub(crate) fn evaluate_located_normals(&mut self, t: f64, x: &[f64]) {
         self.write(Which::KinkNormals, t, x);
         self.kink_normals.run();
-        for k in 0..self.automaton.kinks {
-            let normal = |j| self.kink_normals.output(k * scale.len() + j)[0];
-            let size: f64 = scale.iter().enumerate().map(|(j, s)| (normal(j) * s).abs()).sum();
-            self.scale[first + k] = if size > 0.0 { size } else { 1.0 };
-            self.speed[first + k] = self.w(first + k).abs();
-        }
+    }
+
+    pub(crate) fn located_normal(&self, c: usize, j: usize) -> f64 {
+        self.kink_normals.output((c - self.switches()) * self.automaton.width + j)[0]
+    }
+
+    /// Evaluates what states become where they jump, and its derivatives; read them with [`Field::reset_at`]. `rebounds`
+    /// is 0 for an impact that ends at rest.
+    pub(crate) fn evaluate_resets(&mut self, t: f64, x: &[f64], rebounds: f64) {
+        self.write(Which::Reset, t, x);
+        let last = self.automaton.arguments;
+        self.reset.input(last)[0] = rebounds;
+        self.reset.run();
+    }
+
+    pub(crate) fn reset_at(&self, k: usize) -> f64 {
+        self.reset.output(k)[0]
     }
 
     /// Evaluates the surfaces after setting the modes of the kinks by the side of their surface; on it by the
@@ -121,7 +180,7 @@ impl<'a> Field<'a> {
         if self.automaton.kinks == 0 {
             return;
         }
-        for c in self.switches()..self.all_surfaces() {
+        for c in self.switches()..self.gap(0) {
             let w = self.w(c);
             // A NaN shows in the rates.
             if w.abs() > self.near(c) || w.is_nan() {
@@ -152,6 +211,7 @@ impl<'a> Field<'a> {
             Which::KinkNormals => &mut self.kink_normals,
             Which::Rest => &mut self.rest,
             Which::Output => &mut self.output,
+            Which::Reset => &mut self.reset,
             Which::Jacobian(lane) => {
                 let jacobian = lanes(&mut self.jacobian, self.automaton, self.drive);
                 return arguments.write(jacobian, lane, (t, x), &mut self.hints);
@@ -174,8 +234,16 @@ impl<'a> Field<'a> {
             *rate = self.flow.output(k)[0];
         }
         for (c, load) in out[n..n + self.switches()].iter_mut().enumerate() {
-            *load = if self.stuck[c] { self.modes[c] } else { 0.0 };
+            *load = if self.stuck[c] { self.load(c) } else { 0.0 };
         }
+    }
+
+    /// How much of what holds a sticking contact is in use: it lets go beyond 1. A reaction may be as large as it likes,
+    /// and lets go where it would pull.
+    pub(crate) fn load(&self, c: usize) -> f64 {
+        let Some(k) = c.checked_sub(self.frictions()) else { return self.modes[c].abs() };
+        let push = self.modes[c] / self.pressed[k];
+        if push > 0.0 { 1.0 / (1.0 + push) } else { 1.0 - push }
     }
 
     /// Evaluates the surfaces at a point; read them with [`Field::w`], [`Field::w_rate`],
@@ -194,14 +262,15 @@ impl<'a> Field<'a> {
     }
 
     pub(crate) fn w(&self, c: usize) -> f64 {
-        let (m, n) = (self.switches(), self.automaton.states.len());
+        let (m, n) = (self.switches(), self.automaton.width);
         let at = if c < m { c } else { m * (2 + m + n) + c - m };
         self.surface.output(at)[0]
     }
 
     pub(crate) fn w_rate(&self, c: usize) -> f64 {
-        let (m, n) = (self.switches(), self.automaton.states.len());
-        let at = if c < m { m + c } else { m * (2 + m + n) + self.automaton.kinks + c - m };
+        let (m, n) = (self.switches(), self.automaton.width);
+        let located = self.automaton.kinks + self.reactions();
+        let at = if c < m { m + c } else { m * (2 + m + n) + located + c - m };
         self.surface.output(at)[0]
     }
 
@@ -214,7 +283,7 @@ impl<'a> Field<'a> {
 
     /// `dw_c/dx_j`: the normal of the surface.
     pub(crate) fn normal(&self, c: usize, j: usize) -> f64 {
-        let (m, n) = (self.switches(), self.automaton.states.len());
+        let (m, n) = (self.switches(), self.automaton.width);
         self.surface.output(2 * m + m * m + c * n + j)[0]
     }
 
@@ -245,7 +314,7 @@ impl<'a> Field<'a> {
     /// stays until the contact returns to its surface, so that slip, stop and release use the same
     /// friction.
     pub(crate) fn choose_floor(&mut self, c: usize, t: f64, x: &[f64]) {
-        if !self.automaton.switches[c].shaped {
+        if !self.is_shaped(c) {
             return;
         }
         let mode = std::mem::replace(&mut self.modes[c], 0.0);
@@ -264,6 +333,11 @@ impl<'a> Field<'a> {
         }
         self.floors[c] = best.1;
         self.modes[c] = mode;
+    }
+
+    /// Whether the friction of a switch has a shape near rest.
+    pub(crate) fn is_shaped(&self, c: usize) -> bool {
+        self.automaton.switches.get(c).is_some_and(|switch| switch.shaped)
     }
 
     /// The smallest speed that the shape of friction distinguishes from rest.
@@ -301,13 +375,13 @@ impl<'a> Field<'a> {
         onto_surface(self.w(c), |j| self.normal(c, j), x);
     }
 
-    /// The mode as an integer; 0 is sticking.
+    /// The mode of a contact as an integer; 0 is sticking.
     pub(crate) fn sign(&self, c: usize) -> i8 {
         if self.stuck[c] { 0 } else { self.modes[c] as i8 }
     }
 
     pub(crate) fn signs(&self) -> Vec<i8> {
-        (0..self.switches()).map(|c| self.sign(c)).collect()
+        (0..self.frictions()).map(|c| self.sign(c)).collect()
     }
 
     /// Evaluates the outputs and their derivatives at a point; returns the contacts that stick there.
@@ -329,7 +403,7 @@ impl<'a> Field<'a> {
     /// Numbers of outputs, states, switches and parameters.
     fn sizes(&self) -> (usize, usize, usize, usize) {
         let a = self.automaton;
-        (a.outputs, a.states.len(), self.switches(), a.parameters)
+        (a.outputs, a.width, self.switches(), a.parameters)
     }
 
     /// The change of `y_k` with time, states and modes at rest.
@@ -394,7 +468,7 @@ impl<'a> Field<'a> {
         }
         let jacobian = lanes(&mut self.jacobian, self.automaton, self.drive);
         jacobian.run();
-        let (of, n) = (&self.automaton.jacobian, self.automaton.states.len());
+        let (of, n) = (&self.automaton.jacobian, self.automaton.width);
         for (lane, line) in lines.iter_mut().enumerate() {
             line.read(of, n, free, |k| jacobian.output(k)[lane]);
         }
@@ -417,7 +491,7 @@ impl Flow for Field<'_> {
 /// Memory for a tape of the automaton. The parameters do not change during a run.
 fn prepared<const N: usize>(automaton: &Automaton, drive: &Drive<'_>, tape: &Tape) -> Scratch<N> {
     let mut scratch = Scratch::new(tape);
-    let first = 1 + automaton.states.len() + 2 * automaton.inputs;
+    let first = 1 + automaton.width + 2 * automaton.inputs;
     drive.parameters.iter().enumerate().for_each(|(k, &p)| *scratch.input(first + k) = [p; N]);
     scratch
 }
@@ -445,59 +519,7 @@ enum Which {
     KinkNormals,
     Rest,
     Output,
+    Reset,
     /// The derivatives at the point of a lane.
     Jacobian(usize),
-}
-
-/// What the inputs of the tapes are made of beside the point.
-struct Arguments<'f> {
-    automaton: &'f Automaton,
-    drive: &'f Drive<'f>,
-    origin: f64,
-    left_of: Option<f64>,
-    right_of: f64,
-    stepped: &'f [bool],
-    modes: &'f [f64],
-    stuck: &'f [bool],
-    floors: &'f [f64],
-    margins: &'f [f64],
-}
-
-impl Arguments<'_> {
-    /// Writes them to a lane, for the point `(t, x)`.
-    fn write<const N: usize>(
-        &self,
-        scratch: &mut Scratch<N>,
-        lane: usize,
-        (t, x): (f64, &[f64]),
-        hints: &mut [usize],
-    ) {
-        let (n, u, p) = (x.len(), self.automaton.inputs, self.automaton.parameters);
-        let t = self.origin + t;
-        scratch.input(0)[lane] = t;
-        for (k, &value) in x.iter().enumerate() {
-            scratch.input(1 + k)[lane] = value;
-        }
-        if u > 0 {
-            let t = t.max(self.right_of);
-            let left = self.left_of.map_or(t, |edge| t.min(edge.next_down()));
-            for (k, signal) in self.drive.inputs.iter().enumerate() {
-                let t = if self.stepped[k] { t } else { left };
-                let (value, slope) = signal.value_and_slope(t, &mut hints[k]);
-                scratch.input(1 + n + k)[lane] = value;
-                scratch.input(1 + n + u + k)[lane] = slope;
-            }
-        }
-        // The parameters do not change during a run.
-        let (first, c) = (1 + n + 2 * u + p, self.floors.len());
-        for k in 0..c {
-            scratch.input(first + k)[lane] = self.modes[k];
-            scratch.input(first + c + k)[lane] = if self.stuck[k] { 0.0 } else { self.modes[k] };
-            scratch.input(first + 2 * c + k)[lane] = self.floors[k];
-            scratch.input(first + 3 * c + k)[lane] = self.margins[k];
-        }
-        for (k, &mode) in self.modes[c..].iter().enumerate() {
-            scratch.input(first + 4 * c + k)[lane] = mode;
-        }
-    }
 }

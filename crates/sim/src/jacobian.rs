@@ -18,7 +18,7 @@ pub(crate) struct Sparse {
 
 impl Sparse {
     /// The derivatives of some nodes by others; their entries join the `outputs`.
-    fn new(graph: &mut Graph, of: &[Id], by: &[Id], outputs: &mut Vec<Id>) -> Sparse {
+    pub(crate) fn new(graph: &mut Graph, of: &[Id], by: &[Id], outputs: &mut Vec<Id>) -> Sparse {
         let (first, mut starts, mut columns) = (outputs.len(), vec![0], vec![]);
         for &f in of {
             for (column, slope) in graph.gradient(f, by).into_iter().enumerate() {
@@ -49,7 +49,7 @@ pub(crate) struct Jacobian {
     /// Of `dw/dt`.
     pub(crate) surface_rates_by_state: Sparse,
     pub(crate) surface_rates_by_parameter: Sparse,
-    /// Of `w`.
+    /// Of `w`; then of the gaps of impacts.
     pub(crate) surfaces_by_parameter: Sparse,
 }
 
@@ -65,7 +65,9 @@ impl Jacobian {
         let rates_by_mode = slopes(rates, modes);
         let surface_rates_by_state = slopes(surface_rates, states);
         let surface_rates_by_parameter = slopes(surface_rates, parameters);
-        let surfaces_by_parameter = slopes(surfaces, parameters);
+        let gaps = model.impacts.iter().map(|impact| impact.gap);
+        let located: Vec<Id> = surfaces.iter().copied().chain(gaps).collect();
+        let surfaces_by_parameter = slopes(&located, parameters);
         Ok(Jacobian {
             tape: Tape::compile(graph, inputs, &outputs)?,
             rates_by_state,

@@ -8,7 +8,11 @@
 //! Every sign in the rates is a *switch*: a surface `w = 0` with a mode `s` in {-1, 0, +1}. One rule
 //! decides what happens on the surface (Filippov's, the same in fit and simulation): with `r+` and `r-` the
 //! rate of `w` on either side, the contact sticks while `r+ <= 0 <= r-`.
+//!
+//! States may jump: where a gap closes (`impact`), and at the times of a sampled controller (`held`). Both are a reset
+//! `x+ = G(t, x-, p)` with its derivatives (`resets`).
 
+mod arguments;
 mod assembly;
 mod automaton;
 mod columns;
@@ -22,6 +26,8 @@ mod excitation;
 mod factors;
 mod field;
 mod flow;
+mod held;
+mod impact;
 mod jacobian;
 mod kinks;
 mod linearisation;
@@ -29,6 +35,7 @@ mod noise;
 mod observer;
 mod output;
 mod radau;
+mod resets;
 mod run;
 mod sensitivity;
 mod state;
@@ -50,4 +57,4 @@ pub use run::{observe, simulate};
 pub use stop::Stop;
 pub use switched::{Switch, Switched};
 pub use synthetic::{SyntheticError, synthesize};
-pub use trajectory::{DIVERGED, Drive, Event, Jump, MovingSteps, Options, SimError, Trajectory};
+pub use trajectory::{DIVERGED, Drive, Event, Hit, Jump, MovingSteps, Options, SimError, Trajectory};

@@ -12,14 +12,16 @@ pub(crate) struct Free {
     /// For each parameter, its place among the free ones.
     places: Vec<Option<usize>>,
     pub(crate) count: usize,
+    /// How many states, the last ones, have no column of their own.
+    held: usize,
 }
 
 impl Free {
-    /// Of a model with so many parameters.
-    pub(crate) fn new(parameters: usize, free: &[usize]) -> Free {
+    /// Of a model with so many parameters, and so many states whose start is no number of its own.
+    pub(crate) fn new(parameters: usize, free: &[usize], held: usize) -> Free {
         let mut places = vec![None; parameters];
         free.iter().enumerate().for_each(|(place, &p)| places[p] = Some(place));
-        Free { places, count: free.len() }
+        Free { places, count: free.len(), held }
     }
 
     pub(crate) fn place(&self, parameter: usize) -> Option<usize> {
@@ -33,7 +35,7 @@ pub(crate) struct Linearisation {
     /// Columns and values of `df/dx`, and where each row ends.
     states: Vec<(usize, f64)>,
     state_ends: Vec<usize>,
-    /// The same of `df/dp`; the columns follow those of the states.
+    /// The same of `df/dp`; the columns follow those of the states that have one.
     parameters: Vec<(usize, f64)>,
     parameter_ends: Vec<usize>,
     /// The contacts that stick, and what their modes do to their `dw/dt`, row by row.
@@ -98,7 +100,7 @@ impl Linearisation {
             let present = |(_, a): &(usize, f64)| *a != 0.0;
             if by_mode.peek().is_none() {
                 self.states.extend(by_state.filter(present));
-                self.parameters.extend(by_parameter.filter(present));
+                self.parameters.extend(by_parameter.filter(present).map(|(j, a)| (j - free.held, a)));
             } else {
                 self.row.clear();
                 self.row.resize(n + free.count, 0.0);
@@ -110,7 +112,7 @@ impl Linearisation {
                 let entries = self.row.iter().copied().enumerate().filter(present);
                 let (states, parameters): (Vec<_>, Vec<_>) = entries.partition(|(j, _)| *j < n);
                 self.states.extend(states);
-                self.parameters.extend(parameters);
+                self.parameters.extend(parameters.into_iter().map(|(j, a)| (j - free.held, a)));
             }
             self.state_ends.push(self.states.len());
             self.parameter_ends.push(self.parameters.len());

@@ -29,9 +29,9 @@ impl Run<'_> {
     /// Lets the observer correct the state at the samples of the present point that it has not seen.
     pub(crate) fn let_correct(&mut self) {
         let Some(observer) = self.observer.take() else { return };
-        let (width, m, n) = (self.out.n, self.out.m, self.x.len());
+        let (width, m, own) = (self.out.n, self.out.m, self.own);
         let mut corrected = false;
-        let mut s = vec![0.0; n * m];
+        let mut s = vec![0.0; self.x.len() * m];
         while self.observed < self.next {
             let sample = self.observed;
             self.observed += 1;
@@ -50,7 +50,7 @@ impl Run<'_> {
             if let Some(of) = &self.sensitivity {
                 of.read(&mut s);
             }
-            if observer.correct(sample, &shown, &mut self.x, &mut s) {
+            if observer.correct(sample, &shown, &mut self.x[..own], &mut s[..own * m]) {
                 corrected = true;
                 if let Some(of) = &mut self.sensitivity {
                     of.set(&s);
@@ -70,7 +70,7 @@ impl Run<'_> {
         if !stuck.is_empty() {
             self.field.surfaces(self.t, &self.x);
         }
-        let n = self.x.len();
+        let n = self.own;
         stuck
             .iter()
             .flat_map(|&c| (0..n).map(move |j| (c, j)))

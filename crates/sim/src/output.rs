@@ -25,19 +25,19 @@ impl Run<'_> {
         }
         self.out.rates.extend(&slopes);
         let Some(sensitivity) = &self.sensitivity else { return };
-        let first = self.out.sensitivities.len() - x.len() * m;
-        let s = self.out.sensitivities[first..].to_vec();
+        let s = &self.sampled;
+        let (own, free) = (self.own, sensitivity.free.len());
         let by = self.field.output_derivatives(&set, x.len(), &sensitivity.free);
         let width = x.len() + sensitivity.free.len();
         self.by_state.clear();
         for k in 0..count {
             // Of a model without states and free parameters it is empty.
             let row = &by[k * width..(k + 1) * width];
-            self.by_state.extend(&row[..x.len()]);
+            self.by_state.extend(&row[..own]);
             let at = self.out.sensitivities.len();
             self.out.sensitivities.resize(at + m, 0.0);
             let out = &mut self.out.sensitivities[at..];
-            out[x.len()..width].copy_from_slice(&row[x.len()..]);
+            out[own..own + free].copy_from_slice(&row[x.len()..]);
             for (a, s) in row[..x.len()].iter().zip(s.chunks(m.max(1))).filter(|(a, _)| **a != 0.0) {
                 out.iter_mut().zip(s).for_each(|(o, s)| *o += a * s);
             }

@@ -86,7 +86,7 @@ pub fn observe(
 /// Runs to the last sample.
 fn finished(mut run: Run<'_>) -> Result<Trajectory, SimError> {
     run.begin();
-    run.sample_before_start();
+    run.sample_here();
     while run.next < run.times.len() {
         run.step()?;
     }
@@ -99,24 +99,28 @@ impl Run<'_> {
     /// Sets the modes, the rates and the first step length at the start.
     fn begin(&mut self) {
         self.field.left_of = self.breakpoints.last().copied();
+        self.begin_holding();
         self.field.begin(self.t, &self.x, &self.scale);
         self.field.rates(self.t, &self.x, &mut self.rates);
+        self.begin_gaps();
         self.here.evaluate(&mut self.field, self.t, &self.x);
         self.h = self.first_step();
     }
 
-    fn sample_before_start(&mut self) {
-        let n = self.x.len();
+    /// Writes the samples up to the present point, along the present rates.
+    pub(crate) fn sample_here(&mut self) {
+        let n = self.own;
         while self.next < self.times.len() && self.times[self.next] <= self.t {
             let back = self.times[self.next] - self.t;
-            self.out.states.extend(self.x.iter().zip(&self.rates).map(|(x, f)| x + back * f));
+            self.out.states.extend(self.x[..n].iter().zip(&self.rates).map(|(x, f)| x + back * f));
             self.out.rates.extend(&self.rates[..n]);
             if let Some(s) = &mut self.sensitivity {
-                s.sample_along(&mut self.field, self.t, &self.x, back, &mut self.out.sensitivities);
+                s.sample_along(&mut self.field, self.t, &self.x, back, &mut self.sampled);
+                self.out.sensitivities.extend(&self.sampled[..n * s.m]);
             }
-            let (x, rates) = (self.x.clone(), self.rates[..n].to_vec());
+            let (x, rates) = (self.x.clone(), self.rates[..self.x.len()].to_vec());
             self.sample_outputs(self.t, &x, &rates, back);
-            self.out.modes.extend((0..self.field.switches()).map(|c| self.field.sign(c)));
+            self.out.modes.extend((0..self.field.frictions()).map(|c| self.field.sign(c)));
             self.next += 1;
             self.let_correct();
         }
@@ -128,6 +132,7 @@ impl Run<'_> {
         let end = self.times[self.times.len() - 1];
         let end = if self.observer.is_some() { self.times[self.next] } else { end };
         let target = self.breakpoints.last().map_or(end, |b| (b - self.field.origin).min(end));
+        let target = target.min(self.next_tick());
         let tiny = SHORTEST_STEP * self.t.abs().max(end.abs()).max(self.span);
         self.step.start(self.t, &self.x, &self.rates);
         self.measure();
@@ -178,6 +183,7 @@ impl Run<'_> {
                 self.h = (h * growth).max(if h < self.h { self.h } else { 0.0 });
                 self.accept();
                 self.pass_breakpoint();
+                self.pass_ticks();
                 self.check().map(|()| true)
             }
             Search::At(event, theta) => {
@@ -192,8 +198,10 @@ impl Run<'_> {
                 let known = self.out.events.len();
                 self.pass(event)?;
                 self.pass_breakpoint();
+                self.pass_ticks();
                 // At a kink alone the rates go on as they came.
-                let alone = event >= self.field.switches() && self.out.events.len() == known;
+                let kinks = self.field.switches()..self.field.gap(0);
+                let alone = kinks.contains(&event) && self.out.events.len() == known;
                 self.h = if alone { h } else { self.first_step() };
                 Ok(true)
             }
@@ -219,7 +227,9 @@ impl Run<'_> {
         let bad = |k: &[f64]| (0..n).find(|&i| !k[i].is_finite());
         match bad(&self.rates).or_else(|| self.step.k.iter().find_map(|k| bad(k))) {
             Some(i) => {
-                SimError::NotFinite { time: self.time(), state: self.field.automaton.states[i].clone() }
+                let states = &self.field.automaton.states;
+                let state = states.get(i).map_or_else(|| "hold".to_owned(), String::clone);
+                SimError::NotFinite { time: self.time(), state }
             }
             None => SimError::TooManySteps { time: self.time() },
         }
@@ -232,7 +242,10 @@ impl Run<'_> {
         }
         let (t1, h) = (self.t + self.step.h, self.step.h);
         let from = self.next;
-        while self.next < self.times.len() && self.times[self.next] <= t1 {
+        // What jumps at the end of the step shows there what it has become.
+        let jumps = self.ticks_at(t1);
+        let within = |time: f64| time < t1 || (time == t1 && !jumps);
+        while self.next < self.times.len() && within(self.times[self.next]) {
             if let Some(s) = self.sensitivity.as_mut().filter(|_| self.next == from) {
                 s.interpolate(&self.step);
             }
@@ -252,29 +265,33 @@ impl Run<'_> {
 
     /// Writes the next sample, at the fraction `theta` of the step just made.
     fn sample(&mut self, theta: f64) {
-        let n = self.x.len();
-        let at = self.out.states.len();
-        self.out.states.resize(at + n, 0.0);
-        self.out.rates.resize(at + n, 0.0);
+        let (n, own) = (self.x.len(), self.own);
+        let mut x = std::mem::take(&mut self.buffer);
+        let mut rates = std::mem::take(&mut self.slopes);
+        x.truncate(n);
         let dense = self.step.dense();
-        dense.value(theta, &mut self.out.states[at..]);
-        dense.slope(theta, &mut self.out.rates[at..]);
-        self.field.keep_at_rest(self.times[self.next], &mut self.out.states[at..]);
+        dense.value(theta, &mut x);
+        dense.slope(theta, &mut rates);
+        self.field.keep_at_rest(self.times[self.next], &mut x);
+        self.out.states.extend(&x[..own]);
+        self.out.rates.extend(&rates[..own]);
         if let Some(s) = &self.sensitivity {
-            s.sample(theta, &mut self.out.sensitivities);
+            s.sample(theta, &mut self.sampled);
+            self.out.sensitivities.extend(&self.sampled[..own * s.m]);
         }
         if self.field.automaton.outputs > 0 {
-            let (x, rates) = (self.out.states[at..].to_vec(), self.out.rates[at..].to_vec());
             self.sample_outputs(self.times[self.next], &x, &rates, 0.0);
         }
-        self.out.modes.extend((0..self.field.switches()).map(|c| self.field.sign(c)));
+        self.out.modes.extend((0..self.field.frictions()).map(|c| self.field.sign(c)));
         self.next += 1;
+        x.resize(n + self.field.switches(), 0.0);
+        (self.buffer, self.slopes) = (x, rates);
     }
 
     fn check(&self) -> Result<(), SimError> {
         let reach = if self.options.reach.is_empty() { &self.scale } else { &self.options.reach };
         let fits = |i: usize| self.x[i].abs() <= self.options.diverged * reach[i];
-        match (0..self.x.len()).find(|&i| !fits(i)) {
+        match (0..self.own).find(|&i| !fits(i)) {
             Some(i) => {
                 Err(SimError::Diverged { time: self.time(), state: self.field.automaton.states[i].clone() })
             }
@@ -309,7 +326,7 @@ impl Run<'_> {
             let mut moves = vec![0.0; s.m];
             own.for_each(|moving| {
                 let place = s.free.iter().position(|&k| k == moving.parameter);
-                place.into_iter().for_each(|k| moves[n + k] += moving.by.value(self.time()));
+                place.into_iter().for_each(|k| moves[s.column_of_free(k)] += moving.by.value(self.time()));
             });
             let steps = |&at: &f64| signal.value(at.next_down()) != signal.value(at);
             if !passed.iter().any(steps) {
@@ -333,8 +350,13 @@ impl Run<'_> {
     /// Goes on from a point to which the input or the state has jumped.
     pub(crate) fn decide_again(&mut self) {
         let before = self.field.signs();
+        self.decide_modes(&before);
+        self.strike_closing();
+    }
+
+    fn decide_modes(&mut self, before: &[i8]) {
         self.field.reconsider(self.t, &self.x);
-        self.record(&before);
+        self.record(before);
         self.field.rates(self.t, &self.x, &mut self.rates);
         self.here.evaluate(&mut self.field, self.t, &self.x);
         if let Some(s) = &mut self.sensitivity {

@@ -14,12 +14,15 @@ use crate::factors::Factors;
 use crate::field::Field;
 use crate::linearisation::{Free, LANES, Linearisation};
 use crate::radau;
+use crate::resets::Row;
 use crate::step::{Method, Step};
 use rayon::prelude::*;
 
 /// The derivatives of all states. Columns are the start states, then the free parameters.
 pub(crate) struct Sensitivity {
     n: usize,
+    /// How many states have a start that is a number of its own: those that hold something follow them.
+    starts: usize,
     /// The parameters to differentiate by.
     pub(crate) free: Vec<usize>,
     places: Free,
@@ -42,22 +45,23 @@ pub(crate) struct Sensitivity {
 }
 
 impl Sensitivity {
-    /// By the start of the states, whose sizes that matter are `scale`, by the parameters `free` of all
+    /// By the start of the first `starts` states, of all whose sizes that matter are `scale`, by the parameters `free` of all
     /// `parameters`, and by `spare` numbers that only an observer knows.
     pub(crate) fn new(
-        scale: &[f64],
+        (scale, starts): (&[f64], usize),
         tolerance: f64,
         parameters: usize,
         free: &[usize],
         spare: usize,
     ) -> Self {
-        let (n, m) = (scale.len(), scale.len() + free.len() + spare);
+        let (n, m) = (scale.len(), starts + free.len() + spare);
         Sensitivity {
             n,
+            starts,
             free: free.to_vec(),
-            places: Free::new(parameters, free),
+            places: Free::new(parameters, free, n - starts),
             m,
-            columns: Columns::all(n, m),
+            columns: Columns::all((n, starts), m),
             tolerance,
             scale: scale.to_vec(),
             fresh: false,
@@ -171,14 +175,13 @@ impl Sensitivity {
         Self::for_all(&mut self.columns, |columns| columns.interpolate(h, method));
     }
 
-    /// Appends the values at the fraction `theta` of the last step, after [`Sensitivity::interpolate`].
+    /// Writes the values at the fraction `theta` of the last step, after [`Sensitivity::interpolate`].
     pub(crate) fn sample(&self, theta: f64, out: &mut Vec<f64>) {
-        let from = out.len();
-        out.resize(from + self.n * self.m, 0.0);
-        self.columns.iter().for_each(|columns| columns.write(theta, self.m, &mut out[from..]));
+        out.resize(self.n * self.m, 0.0);
+        self.columns.iter().for_each(|columns| columns.write(theta, self.m, out));
     }
 
-    /// Appends the values a time `back` away from the present point, at the present rates.
+    /// Writes the values a time `back` away from the present point, at the present rates.
     pub(crate) fn sample_along(
         &mut self,
         field: &mut Field<'_>,
@@ -187,11 +190,10 @@ impl Sensitivity {
         back: f64,
         out: &mut Vec<f64>,
     ) {
-        let from = out.len();
-        out.resize(from + self.n * self.m, 0.0);
+        out.resize(self.n * self.m, 0.0);
         field.linearise(&mut self.lines[..1], &self.places, &[(t, x)]);
         for columns in &mut self.columns {
-            columns.write_along(&self.lines[0], back, self.m, &mut out[from..]);
+            columns.write_along(&self.lines[0], back, self.m, out);
         }
     }
 
@@ -200,7 +202,7 @@ impl Sensitivity {
         let mut moves = vec![0.0; self.m];
         if w_rate != 0.0 {
             self.columns.iter().for_each(|columns| columns.add_along(normal, &mut moves));
-            moves[self.n..].iter_mut().zip(by_parameter).for_each(|(dw, by)| *dw += by);
+            moves[self.starts..].iter_mut().zip(by_parameter).for_each(|(dw, by)| *dw += by);
             moves.iter_mut().for_each(|dw| *dw = -*dw / w_rate);
         }
         moves
@@ -211,6 +213,28 @@ impl Sensitivity {
         self.fresh = false;
         let by: Vec<f64> = before.iter().zip(after).map(|(b, a)| b - a).collect();
         self.columns.iter_mut().for_each(|columns| columns.jump(&by, times));
+    }
+
+    /// The column of a parameter, if it is free.
+    pub(crate) fn column(&self, parameter: usize) -> Option<usize> {
+        self.places.place(parameter).map(|place| self.starts + place)
+    }
+
+    /// The column of the free parameter at a place.
+    pub(crate) fn column_of_free(&self, place: usize) -> usize {
+        self.starts + place
+    }
+
+    /// Lets states jump at a time that moves by `moves`: see [`crate::resets`]. `before` are the rates before; where the
+    /// time moves [`Sensitivity::jump`] takes off those after.
+    pub(crate) fn map(&mut self, rows: &[Row], moves: &[f64], before: &[f64]) {
+        self.fresh = false;
+        for columns in &mut self.columns {
+            if !moves.is_empty() {
+                columns.jump(before, moves);
+            }
+            columns.map(rows, moves);
+        }
     }
 
     /// The modes have changed without a jump of the rates.

@@ -42,6 +42,14 @@ pub(crate) struct Run<'a> {
     /// Since the start.
     pub(crate) t: f64,
     pub(crate) x: Vec<f64>,
+    /// How many of the states are the model's: those that hold something follow them.
+    pub(crate) own: usize,
+    /// Of what is held, the next multiple of each period.
+    pub(crate) counts: Vec<f64>,
+    /// Memory: the derivatives of all states at a sample.
+    pub(crate) sampled: Vec<f64>,
+    /// Memory: the rates at a sample.
+    pub(crate) slopes: Vec<f64>,
     /// Rates at the present point, followed by the loads of the sticking contacts.
     pub(crate) rates: Vec<f64>,
     pub(crate) step: Step,
@@ -88,16 +96,17 @@ impl<'a> Run<'a> {
         times: &[f64],
         options: &'a Options,
     ) -> Self {
-        let (n, c) = (start.len(), automaton.switches.len());
-        let scale = if options.scale.is_empty() { vec![1.0; n] } else { options.scale.clone() };
-        assert_eq!(scale.len(), n, "one scale for each state");
+        let (own, n, c) = (start.len(), automaton.width, automaton.switches.len() + automaton.twins.len());
+        let mut scale = if options.scale.is_empty() { vec![1.0; own] } else { options.scale.clone() };
+        assert_eq!(scale.len(), own, "one scale for each state");
+        scale.resize(n, 1.0);
         let derivatives = |free: &Vec<usize>| {
-            Sensitivity::new(&scale, options.tolerance, automaton.parameters, free, options.spare)
+            Sensitivity::new((&scale, own), options.tolerance, automaton.parameters, free, options.spare)
         };
         let sensitivity = options.sensitivities.as_ref().map(derivatives);
         let m = sensitivity.as_ref().map_or(0, |s| s.m);
         let outputs = automaton.outputs;
-        let width = n + outputs;
+        let width = own + outputs;
         let mut out = Trajectory { n: width, outputs, m, ..Default::default() };
         out.states.reserve(times.len() * width);
         out.rates.reserve(times.len() * width);
@@ -117,7 +126,11 @@ impl<'a> Run<'a> {
             options,
             scale,
             t: 0.0,
-            x: start.to_vec(),
+            x: start.iter().copied().chain(std::iter::repeat(0.0)).take(n).collect(),
+            own,
+            counts: vec![],
+            sampled: vec![],
+            slopes: vec![0.0; n],
             rates: vec![0.0; n + c],
             step: Step::new(n, c),
             watch: Watch::default(),

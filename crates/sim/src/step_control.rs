@@ -31,7 +31,7 @@ impl Run<'_> {
     pub(crate) fn shape_limit(&mut self) -> Option<f64> {
         let h = self.step.h;
         let mut shorter: Option<f64> = None;
-        for c in (0..self.field.switches()).filter(|&c| self.field.automaton.switches[c].shaped) {
+        for c in (0..self.field.frictions()).filter(|&c| self.field.is_shaped(c)) {
             if self.field.stuck[c] {
                 continue;
             }
@@ -108,7 +108,7 @@ impl Run<'_> {
         for (c, &load) in loads.iter().enumerate().take(self.field.switches()) {
             if self.field.stuck[c] {
                 weigh(load, LOAD_RESOLUTION);
-            } else if self.field.automaton.switches[c].shaped {
+            } else if self.field.is_shaped(c) {
                 let e: f64 = states.iter().enumerate().map(|(j, e)| self.field.normal(c, j) * e).sum();
                 let speed = self.here.w[c].abs().max(self.there.w[c].abs()).max(self.field.least_speed(c));
                 weigh(e, SHAPE_RESOLUTION * tolerance * speed);

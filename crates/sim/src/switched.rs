@@ -1,7 +1,7 @@
 //! A model with modes in place of its signs: the expressions of a hybrid automaton before compilation.
 
 use phisindy_expr::{Binary, Graph, Id, Names, Node, Unary};
-use phisindy_phys::Model;
+use phisindy_phys::{Model, with_reactions};
 use std::collections::HashMap;
 
 /// A surface `w(t, x, u, p) = 0` at which a sign in the rates jumps.
@@ -33,6 +33,8 @@ pub struct Switched {
     pub switches: Vec<Switch>,
     /// `du/dt` of each input.
     pub slopes: Vec<Id>,
+    /// `d2u/dt2` of each input, beside impacts: what rests on something that moves feels it.
+    pub bends: Vec<Id>,
     /// For each switch its mode `s`.
     pub modes: Vec<Id>,
     /// For each switch the side `e`.
@@ -51,6 +53,9 @@ pub struct Switched {
     pub influence: Vec<Id>,
     /// `dw/dx`, row by row.
     pub normals: Vec<Id>,
+    /// How many of the last switches are the rates of gaps, which never slip: the mode is the reaction that keeps one
+    /// closed.
+    pub reactions: usize,
     /// What is read beside the states.
     pub outputs: Vec<Id>,
     /// The change of each output with time, states and modes at rest.
@@ -87,27 +92,40 @@ impl Switched {
     /// ```
     pub fn new(model: &Model) -> Switched {
         let (mut graph, mut names) = (model.graph.clone(), model.names.clone());
-        let surfaces = surfaces(&mut graph, model);
-        let modes = fresh(&mut graph, &mut names, "mode", surfaces.len());
-        let sides = fresh(&mut graph, &mut names, "side", surfaces.len());
-        let floors = fresh(&mut graph, &mut names, "floor", surfaces.len());
-        let margins = fresh(&mut graph, &mut names, "margin", surfaces.len());
+        let mut surfaces = surfaces(&mut graph, model);
+        let frictions = surfaces.len();
+        let mut modes = fresh(&mut graph, &mut names, "mode", frictions);
+        modes.extend(model.impacts.iter().map(|impact| impact.reaction));
         let slopes = fresh(&mut graph, &mut names, "slope", model.inputs.len());
-        let sizes = sizes(&mut graph, &surfaces, &sides, &floors, &margins);
-        let with = replacements(&mut graph, &surfaces, &modes, &sizes);
-        let rates = graph.replace(&model.rates, &with);
-        let outputs = graph.replace(&model.outputs, &with);
-
-        // dw/dt by the chain rule, through states, inputs and time.
+        let moved = if model.impacts.is_empty() { 0 } else { slopes.len() };
+        let bends = fresh(&mut graph, &mut names, "bend", moved);
+        let one = graph.constant(1.0);
         let mut flow_of = model.states.clone();
         flow_of.extend(&model.inputs);
         flow_of.push(model.time);
-        let one = graph.constant(1.0);
-        let velocity: Vec<Id> = rates.iter().chain(&slopes).copied().chain([one]).collect();
+        for impact in &model.impacts {
+            let moves: Vec<Id> = model.rates.iter().chain(&slopes).copied().chain([one]).collect();
+            surfaces.push(drift(&mut graph, impact.gap, &flow_of, &moves));
+        }
+        let sides = fresh(&mut graph, &mut names, "side", surfaces.len());
+        let floors = fresh(&mut graph, &mut names, "floor", surfaces.len());
+        let margins = fresh(&mut graph, &mut names, "margin", surfaces.len());
+        let sizes = sizes(&mut graph, &surfaces[..frictions], &sides, &floors, &margins);
+        let with = replacements(&mut graph, &surfaces[..frictions], &modes, &sizes);
+        let rates = with_reactions(&mut graph, &model.rates, &model.impacts);
+        let rates = graph.replace(&rates, &with);
+        let outputs = graph.replace(&model.outputs, &with);
+
+        // dw/dt by the chain rule, through states, inputs and time.
+        let mut velocity: Vec<Id> = rates.iter().chain(&slopes).copied().chain([one]).collect();
+        flow_of.extend(slopes.iter().take(moved));
+        velocity.extend(&bends);
         let surface_rates: Vec<Id> =
             surfaces.iter().map(|&w| drift(&mut graph, w, &flow_of, &velocity)).collect();
-        let given: Vec<Id> = model.inputs.iter().copied().chain([model.time]).collect();
-        let moves: Vec<Id> = slopes.iter().copied().chain([one]).collect();
+        let given =
+            model.inputs.iter().copied().chain([model.time]).chain(slopes.iter().take(moved).copied());
+        let given: Vec<Id> = given.collect();
+        let moves: Vec<Id> = slopes.iter().copied().chain([one]).chain(bends.iter().copied()).collect();
         let mut drifts =
             |of: &[Id]| -> Vec<Id> { of.iter().map(|&f| drift(&mut graph, f, &given, &moves)).collect() };
         let output_drifts = drifts(&outputs);
@@ -130,6 +148,7 @@ impl Switched {
             names,
             switches,
             slopes,
+            bends,
             modes,
             sides,
             floors,
@@ -139,6 +158,7 @@ impl Switched {
             surface_rates,
             influence,
             normals,
+            reactions: model.impacts.len(),
             outputs,
             output_drifts,
             surface_drifts,

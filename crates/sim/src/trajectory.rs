@@ -79,15 +79,28 @@ pub struct Event {
     pub to: i8,
 }
 
-/// A jump of outputs at an event.
+/// A jump of states or outputs at an event.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Jump {
     /// When.
     pub time: f64,
-    /// By how much each output jumps.
+    /// By how much each state jumps, then each output.
     pub by: Vec<f64>,
     /// d time / d (start, parameter); empty without sensitivities.
     pub moves: Vec<f64>,
+}
+
+/// An impact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// When.
+    pub time: f64,
+    /// Which of the model's impacts.
+    pub impact: usize,
+    /// The speed at which the gap closed.
+    pub speed: f64,
+    /// Whether the gap stays closed.
+    pub rests: bool,
 }
 
 /// A sampled run.
@@ -110,8 +123,10 @@ pub struct Trajectory {
     pub modes: Vec<i8>,
     /// All changes of mode.
     pub events: Vec<Event>,
-    /// The events at which an output jumps.
+    /// The events at which a state or an output jumps.
     pub jumps: Vec<Jump>,
+    /// All impacts.
+    pub hits: Vec<Hit>,
     /// Steps that were accepted.
     pub steps: usize,
     /// Rejected steps.
@@ -128,6 +143,12 @@ impl Trajectory {
     /// One state or output as a column.
     pub fn column(&self, index: usize) -> Vec<f64> {
         self.states.iter().skip(index).step_by(self.n.max(1)).copied().collect()
+    }
+
+    /// Whether a contact or a gap changes within a time of an instant.
+    pub fn changes_near(&self, time: f64, within: f64) -> bool {
+        let events = self.events.iter().map(|event| event.time);
+        events.chain(self.hits.iter().map(|hit| hit.time)).any(|t| (t - time).abs() < within)
     }
 
     /// Number of samples.

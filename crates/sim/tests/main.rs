@@ -6,6 +6,8 @@ mod common;
 mod contact_rule;
 mod errors;
 mod filters;
+mod held;
+mod impacts;
 mod independent;
 mod kinks;
 mod outputs;

@@ -55,7 +55,7 @@ fn outputs_are_what_the_equations_say_while_a_contact_sticks_too() {
     assert!(stuck > 10, "{stuck}");
     // Every reversal is a jump of the force by twice the friction, or less where it sticks.
     assert!(
-        !run.jumps.is_empty() && run.jumps.iter().all(|j| j.by[1].abs() < 2.0 * f + 1e-9),
+        !run.jumps.is_empty() && run.jumps.iter().all(|j| j.by[3].abs() < 2.0 * f + 1e-9),
         "{:?}",
         run.jumps
     );

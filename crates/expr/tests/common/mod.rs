@@ -155,6 +155,7 @@ pub fn dual_binary<D: num_dual::DualNum<Primitive = f64> + Copy>(op: Binary, a: 
         Binary::Div => a / b,
         Binary::Pow => a.powd(b),
         Binary::Atan2 => a.atan2(b),
+        Binary::Hold | Binary::Timing => a,
         Binary::Min | Binary::Max | Binary::Dead | Binary::Mod | Binary::Gate | Binary::Masked => {
             return None;
         }
@@ -168,7 +169,9 @@ pub fn steps(step: impl Strategy<Value = Step>, most: usize) -> impl Strategy<Va
 /// Any operation and number; `gate` and `masked` too if asked for (they have no name in the language).
 pub fn any_step(gate: bool, numbers: BoxedStrategy<f64>) -> impl Strategy<Value = Step> {
     let unary = (0..UNARY.len(), 0usize..8).prop_map(|(op, a)| Step::Unary(UNARY[op].op, a));
-    let binary = (0..BINARY.len(), 0usize..8, 0usize..8).prop_map(move |(op, a, b)| match BINARY[op].op {
+    let timed = |op: Binary| matches!(op, Binary::Hold | Binary::Timing);
+    let ops: Vec<Binary> = BINARY.iter().map(|row| row.op).filter(|op| !timed(*op)).collect();
+    let binary = (0..ops.len(), 0usize..8, 0usize..8).prop_map(move |(op, a, b)| match ops[op] {
         Binary::Gate | Binary::Masked if !gate => Step::Binary(Binary::Mul, a, b),
         op => Step::Binary(op, a, b),
     });

@@ -104,7 +104,12 @@ fn start_values(text: &mut Text, model: &TrialModel) -> Result<(), SpecTextError
         let field = if p.known { "value" } else { "start" };
         let factor = Unit::parse(&p.unit).map_or(1.0, |u| u.factor);
         if now.to_bits() != p.start.to_bits() {
-            text.set(&format!("constants.{}.{field}", p.name), &format!("{:?}", now / factor))?;
+            let impact = model.system.impacts.iter().find(|of| of.restitution == p.node);
+            let path = match impact {
+                Some(impact) if p.name.contains('.') => format!("impacts.{}.restitution", impact.name),
+                _ => format!("constants.{}", p.name),
+            };
+            text.set(&format!("{path}.{field}"), &format!("{:?}", now / factor))?;
         }
     }
     Ok(())

@@ -97,7 +97,7 @@ pub(crate) fn regions(
             let near = 0.02 * span;
             let regime = |i: usize| {
                 let stuck = switches > 0 && run.modes[i * switches..(i + 1) * switches].contains(&0);
-                let switching = run.events.iter().any(|e| (e.time - record.time[i]).abs() < 0.05 * near);
+                let switching = run.changes_near(record.time[i], 0.05 * near);
                 if stuck {
                     2.0
                 } else if switching {

@@ -79,6 +79,8 @@ pub enum DataError {
         /// Name of the column's state.
         column: String,
     },
+    /// States jump, which method step does not follow.
+    Jumps,
     /// The squares of a measured column leave the range of numbers.
     OutOfRange {
         /// Name of the record.

@@ -354,6 +354,10 @@ impl Display for DataError {
                 f,
                 "{record}: the numbers of the column of {column} are too large or too small to compute with (their squares overflow): state its unit, or repair the file"
             ),
+            DataError::Jumps => write!(
+                f,
+                "method step knows no states that jump (`impacts`, `hold`): leave `method` out, and the trajectory is fitted"
+            ),
             DataError::NotANumber { record, column, time } => write!(
                 f,
                 "{record}: {column} is not a number at t = {time:.6}: a root, power or logarithm of something negative, or a division by zero?"

@@ -25,6 +25,9 @@ pub(crate) fn by_steps(
     observe: &mut dyn FnMut(f64) -> ControlFlow<()>,
 ) -> Result<Identified, LearnError> {
     let system = &case.system;
+    if system.jumps() {
+        return Err(DataError::Jumps.into());
+    }
     let (filled, mut warnings) = filled(case, records)?;
     let options = step_options(case);
     warnings.extend(kept_fixed(system, records, options.optimiser));

@@ -235,7 +235,7 @@ impl Regression {
 struct Values {
     known: Vec<Vec<f64>>,
     terms: Vec<Vec<f64>>,
-    /// Everything whose sign stands in a rate, and the contacts.
+    /// Everything whose sign stands in a rate, and the rates of gaps.
     contacts: Vec<Vec<f64>>,
 }
 
@@ -254,7 +254,10 @@ fn evaluate(system: &System, terms: &[usize], record: &Record, parameters: &[f64
         })
         .collect();
     outputs.extend(&signs);
-    let tape = Tape::compile(&system.graph, &inputs, &outputs).ok()?;
+    // A gap that closes opens again: its rate turns as that of a contact does.
+    let mut graph = system.graph.clone();
+    outputs.extend(system.gap_rates(&mut graph));
+    let tape = Tape::compile(&graph, &inputs, &outputs).ok()?;
     let mut scratch = Scratch::<1>::new(&tape);
     let mut columns = vec![Vec::with_capacity(record.len()); outputs.len()];
     for i in 0..record.len() {

@@ -85,6 +85,7 @@ impl InputSensors {
         model.inputs.extend(ages);
         model.rates = model.graph.replace(&model.rates, &with);
         model.outputs = model.graph.replace(&model.outputs, &with);
+        model.replace_in_impacts(&with);
         model
     }
 

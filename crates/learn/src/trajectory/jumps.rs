@@ -1,4 +1,5 @@
-//! Samples beside a jump of an output. Where friction reverses, a force cell or an accelerometer jumps, and a
+//! Samples beside a jump. Where friction reverses, a force cell or an accelerometer jumps, where a
+//! body hits another one a speed does, and a
 //! model whose event is late by two samples misses two samples by the whole jump, however small the error.
 //! Such a residual says nothing about a force. It says when the event was: within a sampling interval `h`, so
 //! with the standard deviation `h/sqrt(12)`.
@@ -24,7 +25,7 @@ pub(crate) struct Miss {
 /// How a sample lies to the jumps of its column.
 pub(crate) struct Sample<'a> {
     pub(crate) jumps: &'a [Jump],
-    pub(crate) output: usize,
+    pub(crate) column: usize,
     /// Gain of the sensor.
     pub(crate) gain: f64,
     /// The time that the sample shows.
@@ -41,13 +42,13 @@ impl Sample<'_> {
         let plain = Miss { amplitude: miss, timing: None };
         let after = self.jumps.partition_point(|j| j.time <= self.time);
         // Of the events of all contacts those that this column shows.
-        let shown = |k: &usize| self.jumps[*k].by[self.output] != 0.0;
+        let shown = |k: &usize| self.jumps[*k].by[self.column] != 0.0;
         let before = (0..after).rev().find(shown).map(|k| (k, -1.0));
         let behind = (after..self.jumps.len()).find(shown).map(|k| (k, 1.0));
         let mut best = (miss * miss / (self.noise * self.noise), plain);
         for (k, sign) in before.into_iter().chain(behind) {
             let jump = &self.jumps[k];
-            let other = sign * self.gain * jump.by[self.output];
+            let other = sign * self.gain * jump.by[self.column];
             let late = jump.time - self.time;
             let between = (-miss / other).clamp(0.0, 1.0);
             let (amplitude, timing) = if late.abs() <= 0.5 * self.step {
@@ -76,7 +77,7 @@ impl Sample<'_> {
 }
 
 impl Problem<'_> {
-    /// How a sample of a column lies to the jumps of a run; `None` for a state, or where nothing jumps.
+    /// How a sample of a column lies to the jumps of a run; `None` where nothing jumps.
     pub(crate) fn beside_jumps<'r>(
         &self,
         segment: &Segment,
@@ -85,7 +86,6 @@ impl Problem<'_> {
         (sample, column): (usize, usize),
         noise: f64,
     ) -> Option<Sample<'r>> {
-        let output = column.checked_sub(self.system.states.len())?;
         let jumps = &sampled.run.jumps[..];
         if jumps.is_empty() {
             return None;
@@ -94,7 +94,7 @@ impl Problem<'_> {
         let step = self.steps[segment.record][column];
         let time = self.lateness(segment.record, column, x).middle(record.time[sample]);
         let (_, gain) = self.reading(segment.record, column, x, 0.0);
-        Some(Sample { jumps, output, gain, time, step, noise })
+        Some(Sample { jumps, column, gain, time, step, noise })
     }
 }
 
@@ -103,7 +103,7 @@ mod tests {
     use super::*;
 
     fn sample(jumps: &[Jump], time: f64) -> Sample<'_> {
-        Sample { jumps, output: 0, gain: 1.0, time, step: 0.01, noise: 0.1 }
+        Sample { jumps, column: 0, gain: 1.0, time, step: 0.01, noise: 0.1 }
     }
 
     #[test]

@@ -96,6 +96,10 @@ struct Forward {
 
 impl<'a> Filter<'a> {
     fn new(system: &System, record: &'a Record) -> Option<Filter<'a>> {
+        // The walk of a force follows no impulse.
+        if !system.impacts.is_empty() {
+            return None;
+        }
         let mut graph = system.graph.clone();
         let mut names = system.names.clone();
         let n = system.states.len();

@@ -42,7 +42,7 @@ pub(crate) struct Problem<'a> {
     pub(crate) reach: Vec<f64>,
     /// Standard deviation of each measured column, by record and column.
     pub(crate) deviations: Vec<Vec<f64>>,
-    /// Noise of each output's column from its spectrum, by record and column: how far a sample may be from
+    /// Noise of each column that may jump, from its spectrum, by record and column: how far a sample may be from
     /// either side of a jump.
     pub(crate) jump_noise: Vec<Vec<f64>>,
     /// By record and column, the mean time between samples.
@@ -101,7 +101,9 @@ impl<'a> Problem<'a> {
             records.iter().map(|r| (0..r.columns.len()).map(|k| r.deviation(k)).collect()).collect();
         let states = system.states.len();
         let level = |r: &Record, k: usize| match &r.columns[k] {
-            Some(_) if k >= states => r.noise_level(k).max(least_noise_of(r, k, NOISE_FLOOR)),
+            Some(_) if k >= states || !system.impacts.is_empty() => {
+                r.noise_level(k).max(least_noise_of(r, k, NOISE_FLOOR))
+            }
             _ => 1.0,
         };
         let jump_noise =

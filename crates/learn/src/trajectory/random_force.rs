@@ -131,6 +131,10 @@ impl<'a> Context<'a> {
         if self.segments != SegmentsSpec::Auto || outputs || fit.problem.chained || single && fit.is_white() {
             return fit;
         }
+        // A filter corrects states, and knows neither those that hold something nor on which side of a gap a body is.
+        if self.system.jumps() {
+            return fit;
+        }
         // A force that is larger than the whole rate is none: beside stops that hang on a hair the derivatives are
         // too large for a filter, and free runs know better.
         let is_force = |forced: &Fit<'_>| remainders(forced).iter().all(|left| left.share < 1.0);

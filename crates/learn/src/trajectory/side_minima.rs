@@ -23,7 +23,7 @@ impl<'a> Context<'a> {
         let Ok(runs) = fit.problem.runs(&fit.x) else { return fit };
         let jumps = runs.iter().any(|r| !r.run.jumps.is_empty());
         let jumps = jumps && self.records.iter().any(|r| reads_outputs(self.system, r));
-        if runs.iter().all(|r| r.run.events.is_empty()) {
+        if runs.iter().all(|r| r.run.events.is_empty() && r.run.hits.is_empty()) {
             return fit;
         }
         for _ in 0..SIDE_ROUNDS {

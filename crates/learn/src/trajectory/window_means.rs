@@ -96,10 +96,9 @@ impl Problem<'_> {
         let mut out = Vec::new();
         for (k, column) in record.columns.iter().enumerate() {
             let Some(column) = column.as_ref().filter(|_| self.is_averaged(k, window)) else { continue };
-            let output = k - self.system.states.len();
             let (_, gain) = self.reading(segment.record, k, x, 0.0);
             let late = self.lateness(segment.record, k, x);
-            let shown: Vec<&Jump> = sampled.run.jumps.iter().filter(|j| j.by[output] != 0.0).collect();
+            let shown: Vec<&Jump> = sampled.run.jumps.iter().filter(|j| j.by[k] != 0.0).collect();
             let step = self.steps[segment.record][k];
             let own: Vec<usize> = (0..last - first).filter(|i| record.own_times.has(k, first + i)).collect();
             let length = window.min(own.len());
@@ -117,7 +116,7 @@ impl Problem<'_> {
                 // The mean has a variance of 1/length, and half of its samples are those of the next window.
                 let factor = (weight / (2.0 * length as f64)).sqrt();
                 let events = shown.iter().filter(|j| j.time >= begin && j.time < end);
-                let events: Vec<(&Jump, f64)> = events.map(|j| (*j, gain * j.by[output])).collect();
+                let events: Vec<(&Jump, f64)> = events.map(|j| (*j, gain * j.by[k])).collect();
                 // The sum has each sample stand for an interval around it; an event within one parts it.
                 let parted = |(jump, by): &(&Jump, f64)| {
                     let before = samples.partition_point(|&i| time(i) <= jump.time);

@@ -12,7 +12,7 @@ use crate::text::spec::reader::Reader;
 use crate::text::spec::{ConstantSpec, LearnSpec, Number, OutputSpec, Spanned, Spec, Text};
 use crate::units::dimensions::dimensions;
 use crate::units::unit::{Dimension, Unit};
-use phisindy_expr::{Span, nearest, parse};
+use phisindy_expr::{AstKind, AstNode, Binary, Span, nearest, parse};
 
 /// A number of a law with its unit and bounds.
 struct Parameter {
@@ -347,7 +347,15 @@ impl Reader<'_> {
     /// The names of an expression; a mistake in it is noted.
     fn names_of(&mut self, text: &Text) -> Vec<String> {
         match parse(&text.value) {
-            Ok(ast) => ast.names().map(|(name, _)| name.to_owned()).filter(|n| n != "pi").collect(),
+            Ok(ast) => {
+                let holds = |node: &&AstNode| matches!(node.kind, AstKind::Binary(Binary::Hold, ..));
+                if let Some(node) = ast.nodes.iter().find(holds) {
+                    let help = "a controller stands in the spec, in `known` or `let`";
+                    let span = node.span.shifted(text.span.start);
+                    self.wrong::<()>(span, "`hold` stands in no law", "", help);
+                }
+                ast.names().map(|(name, _)| name.to_owned()).filter(|n| n != "pi").collect()
+            }
             Err(e) => {
                 let said =
                     Diagnostic::error(e.to_string()).at(self.source, e.span.shifted(text.span.start), "");
@@ -393,6 +401,7 @@ impl Written {
             unknown: vec![],
             contacts: vec![],
             places: vec![],
+            impacts: vec![],
             limits: None,
             data: vec![],
             learn: LearnSpec::default(),

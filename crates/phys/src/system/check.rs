@@ -5,6 +5,7 @@ mod constants;
 mod csv;
 mod energy;
 mod filters;
+mod jumps;
 mod rates;
 mod record;
 mod synthetic;
@@ -16,6 +17,8 @@ use crate::text::diagnostic::{Diagnostic, Severity, SourceId};
 use crate::text::spec::{ConstantSpec, DataSpec, Find, LearnSpec, Spec, Text};
 use crate::units::dimensions::dimensions;
 use checker::Checker;
+use phisindy_expr::parse;
+use std::collections::HashSet;
 use std::sync::Arc;
 
 /// A checked spec: the system, what its records will be, and how to learn.
@@ -143,19 +146,32 @@ fn checked(
         requirements: vec![],
         without_laws: None,
         // Texts that a program has changed are checked often, and their results ask for no more.
-        with_constants: if measured { with_constants(spec, source).map(Arc::new) } else { None },
+        with_constants: if measured {
+            with_constants(spec, source, checker.timing).map(Arc::new)
+        } else {
+            None
+        },
     };
     Ok((case, diagnostics))
 }
 
 /// The system with its held constants as parameters.
-fn with_constants(spec: &Spec, source: SourceId) -> Option<System> {
+fn with_constants(spec: &Spec, source: SourceId, mut timing: HashSet<String>) -> Option<System> {
+    // A period may be an expression of constants.
+    while let Some(more) = spec.constants.iter().find_map(|(name, constant)| {
+        let ConstantSpec::Expression(text) = constant else { return None };
+        let ast = parse(&text.value).ok().filter(|_| timing.contains(&name.value))?;
+        let own: Vec<String> = ast.names().map(|(name, _)| name.to_owned()).collect();
+        own.iter().any(|name| !timing.contains(name)).then_some(own)
+    }) {
+        timing.extend(more);
+    }
     let mut freed = spec.clone();
     let of_records = |name: &Text| spec.data.iter().flat_map(DataSpec::constants).any(|(n, _)| n == name);
     let mut held = vec![];
     for (name, constant) in &mut freed.constants {
         let ConstantSpec::Number { value, unit } = constant else { continue };
-        if value.value == 0.0 || of_records(name) {
+        if value.value == 0.0 || of_records(name) || timing.contains(&name.value) {
             continue;
         }
         held.push(name.value.clone());

@@ -2,6 +2,7 @@
 //! spec resolved.
 
 use crate::system::filter::Filter;
+use crate::system::impact::{Impact, Rebound};
 use crate::system::model::Model;
 use crate::units::unit::{Dimension, Unit};
 use phisindy_expr::{Graph, Id, Names, Node, Unary};
@@ -184,6 +185,8 @@ pub struct System {
     pub contacts: Vec<Contact>,
     /// In the order of the spec.
     pub places: Vec<NamedPlace>,
+    /// In the order of the spec.
+    pub impacts: Vec<Impact>,
 }
 
 impl System {
@@ -216,7 +219,9 @@ impl System {
         }
         parameters.extend(self.parameters.iter().map(|p| p.node));
         parameters.extend(self.record_constants.iter().map(|&(_, node)| node));
-        let outputs = self.outputs_with(&mut graph, &rates);
+        let impacts = self.rebounds(&mut graph, &mut names);
+        let whole = with_reactions(&mut graph, &rates, &impacts);
+        let outputs = self.outputs_with(&mut graph, &whole);
         Model {
             graph,
             names,
@@ -226,6 +231,7 @@ impl System {
             parameters,
             rates,
             outputs,
+            impacts,
         }
     }
 
@@ -398,6 +404,18 @@ impl System {
         let map: HashMap<Id, Id> = values.iter().map(|&(id, v)| (id, graph.constant(v))).collect();
         graph.replace(&[node], &map)[0]
     }
+}
+
+/// The rates with what holds closed gaps closed.
+pub fn with_reactions(graph: &mut Graph, rates: &[Id], impacts: &[Rebound]) -> Vec<Id> {
+    let mut whole = rates.to_vec();
+    for of in impacts {
+        for &(state, by) in &of.direction {
+            let share = graph.mul(by, of.reaction);
+            whole[state] = graph.add(whole[state], share);
+        }
+    }
+    whole
 }
 
 /// Whether expressions contain the sign or the step function of `w` or `-w`.

@@ -1,5 +1,6 @@
 //! A model in the plain mathematical sense: rates as functions of time, states, inputs and parameters.
 
+use crate::system::impact::Rebound;
 use phisindy_expr::{Graph, Id, Names, Symbol};
 
 /// Rates of change of states, as expressions. What the simulator and the estimator work on; it knows nothing
@@ -28,6 +29,8 @@ pub struct Model {
     pub rates: Vec<Id>,
     /// What is read beside the states.
     pub outputs: Vec<Id>,
+    /// What happens where gaps close.
+    pub impacts: Vec<Rebound>,
 }
 
 impl Model {
@@ -62,7 +65,17 @@ impl Model {
         if roots.len() != states.len() {
             return Err(format!("{} states but {} rates", states.len(), roots.len()));
         }
-        Ok(Model { graph, names, time, states, inputs, parameters, rates: roots, outputs: vec![] })
+        Ok(Model {
+            graph,
+            names,
+            time,
+            states,
+            inputs,
+            parameters,
+            rates: roots,
+            outputs: vec![],
+            impacts: vec![],
+        })
     }
 
     /// The model with an output more, for tests and examples.
@@ -70,11 +83,17 @@ impl Model {
     /// # Errors
     /// As [`Model::build`].
     pub fn reading(mut self, text: &str) -> Result<Model, String> {
+        let root = self.lowered(text)?;
+        self.outputs.push(root);
+        Ok(self)
+    }
+
+    /// An expression among the names of the model.
+    pub(crate) fn lowered(&mut self, text: &str) -> Result<Id, String> {
         let ast = phisindy_expr::parse(text).map_err(|e| format!("{e} in `{text}`"))?;
         let names = &self.names;
         let root = self.graph.lower(&ast, |name| names.get(name));
-        self.outputs.push(root.map_err(|e| format!("unknown name `{}` in `{text}`", e[0].name))?);
-        Ok(self)
+        root.map_err(|e| format!("unknown name `{}` in `{text}`", e[0].name))
     }
 
     /// What the rates are functions of, in the order in which tapes take it: time, states, inputs,

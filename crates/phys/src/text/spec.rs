@@ -68,6 +68,8 @@ pub struct Spec {
     pub contacts: Vec<Text>,
     /// Names of places where a force may act.
     pub places: Vec<(Text, PlaceSpec)>,
+    /// What happens where gaps close.
+    pub impacts: Vec<(Text, ImpactSpec)>,
     /// What the rig can do and may do, for the design of a next run.
     pub limits: Option<LimitsSpec>,
     /// The records: at least one, but in a spec of [`read_without_data`].
@@ -92,6 +94,15 @@ pub struct PlaceSpec {
     pub enters: Vec<(Text, Text)>,
     /// The input that is to be looked at first, in the place of a force.
     pub replaces: Option<Text>,
+}
+
+/// Where something hits something else.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ImpactSpec {
+    /// The gap, which closes at zero.
+    pub when: Text,
+    /// The part of the closing speed with which it opens again; a text is an expression of constants.
+    pub restitution: SensorValue,
 }
 
 /// What a sensor reads: an expression of states, inputs, constants, time, and rates of states as `rate(v)`.

@@ -143,6 +143,16 @@ impl<'s> Survey<'s> {
         };
         let places: Vec<(Measure, Vec<Measure>)> =
             spec.places.iter().map(|(_, of)| place(self, of)).collect();
+        for (name, impact) in &spec.impacts {
+            self.measure(&impact.when);
+            let SensorValue::Constant(text) = &impact.restitution else { continue };
+            let (due, is) = (Measure::Fixed(Form::none()), self.measure(text));
+            if let Some((due, is)) = self.differ(&due, &is) {
+                let missing = self.suggestion(&due, &is);
+                let what = ("the restitution of", "what stands here");
+                self.mistakes.push(self.words.assigned(what, name, text, [&due, &is], missing));
+            }
+        }
         // Times the square of its speed an inertia is an energy: kg for m/s, kg*m^2 for rad/s.
         let energy = Measure::Fixed(Form::known(Dimension::NEWTON.mul(Dimension::METRE)));
         for (name, text) in &spec.inertia {
@@ -499,11 +509,13 @@ impl<'s> Survey<'s> {
             Some(Quantity::varying(state.measure.times(&second, -1.0)))
         };
         let of = |name: &str| names.get(name).cloned().or_else(|| rate(name));
-        let found = infer(&ast, of, &mut self.unknowns, &mut conflicts);
+        let time = names.get("t").map_or(second.clone(), |t| t.measure.clone());
+        let found = infer(&ast, of, &time, &mut self.unknowns, &mut conflicts);
         for conflict in conflicts {
             let missing = match &conflict {
                 Conflict::Operands { left: (_, due), right: (_, is), .. } => self.suggestion(due, is),
                 Conflict::Argument { form, .. }
+                | Conflict::Time { form, .. }
                 | Conflict::Exponent { form, .. }
                 | Conflict::Base { form, .. } => self.suggestion(&Form::none(), form),
             };

@@ -218,8 +218,18 @@ pub fn uses_largest_input(case: &Case) -> bool {
     case.records.iter().flat_map(|r| &r.constants).any(|c| matches!(c, Value::MaxAbs(_)))
 }
 
-/// Why a model cannot be exported: it has an unknown part.
+/// Why a model cannot be exported: it has an unknown part, or states that jump, which the copies of the integrator do not
+/// know.
 pub fn refusal(spec: &Spec, case: &Case, name: &str, source: SourceId) -> Option<Diagnostic> {
+    if case.system.jumps() {
+        let what = if case.system.holds() { "`hold`" } else { "`impacts`" };
+        let d = Diagnostic::error(format!("a model with {what} cannot be exported: its states jump"));
+        let d = match spec.impacts.first().filter(|_| !case.system.holds()) {
+            Some((name, _)) => d.at(source, name.span, "here a speed jumps"),
+            None => d,
+        };
+        return Some(d.help("`phisindy simulate` predicts with it; exports know stick and slip alone"));
+    }
     if !case.is_open() {
         return None;
     }

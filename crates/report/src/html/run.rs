@@ -115,6 +115,7 @@ fn noises(report: &RunReport<'_>, record: &RecordFit) -> String {
 
 fn equations(report: &RunReport<'_>) -> Vec<Element> {
     let mut out: Vec<Element> = report.equations.iter().map(|e| mathml::equation(&e.latex)).collect();
+    out.extend(report.impacts.iter().map(|impact| mathml::equation(&impact.latex)));
     let own = names_of_records(&report.input.case.system, &report.equations);
     if !own.is_empty() {
         out.push(paragraph(&format!("Each record has its own {}.", own.join(", "))));

@@ -5,6 +5,7 @@ use super::adapted::{AdaptedOut, Part};
 use super::contribution::{Contribution, contribution};
 use super::fixed::FixedValue;
 use super::report::RunReport;
+use crate::equation::ImpactLine;
 use crate::format::role_name as role;
 use crate::horizon::HorizonOut;
 use phisindy_learn::{Estimate, Remainder};
@@ -26,6 +27,8 @@ struct Outcome<'a> {
     /// The free runs that the verdict rests on.
     basis: String,
     equations: Vec<EquationOut<'a>>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    impacts: Vec<ImpactOut<'a>>,
     parameters: Vec<ParameterOut<'a>>,
     #[serde(rename = "held")]
     fixed: &'a [FixedValue],
@@ -75,6 +78,23 @@ struct EquationOut<'a> {
     latex: &'a str,
     text: &'a str,
     terms: Vec<TermOut<'a>>,
+}
+
+/// What happens where a gap closes.
+#[derive(Serialize)]
+pub(crate) struct ImpactOut<'a> {
+    name: &'a str,
+    when: &'a str,
+    restitution: Option<f64>,
+    latex: &'a str,
+    text: &'a str,
+}
+
+impl<'a> ImpactOut<'a> {
+    pub(crate) fn new(line: &'a ImpactLine) -> ImpactOut<'a> {
+        let ImpactLine { name, when, restitution, latex, text } = line;
+        ImpactOut { name, when, restitution: *restitution, latex, text }
+    }
 }
 
 #[derive(Serialize)]
@@ -188,6 +208,7 @@ pub(crate) fn line(report: &RunReport<'_>) -> String {
         horizon: found.horizon.iter().map(HorizonOut::new).collect(),
         basis: report.basis(),
         equations: equations.collect(),
+        impacts: report.impacts.iter().map(ImpactOut::new).collect(),
         parameters: parameters.collect(),
         fixed: &report.fixed,
         records: records.collect(),

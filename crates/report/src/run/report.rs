@@ -2,7 +2,7 @@
 
 use super::adapted;
 use super::fixed::{FixedValue, fixed_values};
-use crate::equation::{Equation, equations};
+use crate::equation::{Equation, ImpactLine, equations, impacts_of};
 use crate::html::friction::{force_unit, rate};
 use crate::input::{Ending, Input};
 use crate::next::Outcome as PlannedOutcome;
@@ -20,6 +20,8 @@ pub struct RunReport<'a> {
     pub(crate) identified: &'a Identified,
     /// Its equations.
     pub(crate) equations: Vec<Equation>,
+    /// What happens where gaps close.
+    pub(crate) impacts: Vec<ImpactLine>,
     /// Numbers that the fit did not move.
     pub(crate) fixed: Vec<FixedValue>,
     /// Warnings of the identification, without the notes.
@@ -37,6 +39,7 @@ impl<'a> RunReport<'a> {
     pub fn new(input: Input<'a>, found: &'a Identified, ending: Ending) -> RunReport<'a> {
         let case = input.case;
         let equations = equations(case, &found.terms, &found.parameters);
+        let impacts = impacts_of(&case.system, case, &found.parameters);
         let of_records =
             input.records.iter().flat_map(|r| r.notes.iter().map(|note| format!("{}: {note}", r.name)));
         let mut notes: Vec<String> = of_records.collect();
@@ -49,7 +52,17 @@ impl<'a> RunReport<'a> {
             }
         }
         let fixed = fixed_values(input, found);
-        RunReport { input, identified: found, equations, fixed, warnings, notes, planned: None, ending }
+        RunReport {
+            input,
+            identified: found,
+            equations,
+            impacts,
+            fixed,
+            warnings,
+            notes,
+            planned: None,
+            ending,
+        }
     }
 
     /// Each measured column beside what the model says of it.

@@ -13,6 +13,7 @@ use phisindy_learn::{Estimate, Verdict, Warning};
 /// Equations as LaTeX, all else as comments.
 pub(crate) fn latex(report: &RunReport<'_>) -> String {
     let mut lines: Vec<String> = report.equations.iter().map(|e| e.latex.clone()).collect();
+    lines.extend(report.impacts.iter().map(|impact| impact.latex.clone()));
     let comment = |line: String| if line.is_empty() { "%".to_owned() } else { format!("% {line}") };
     lines.extend(details(report).into_iter().map(comment));
     lines.join("\n") + "\n"
@@ -23,6 +24,7 @@ pub(crate) fn plain(report: &RunReport<'_>) -> String {
     let state = |e: &Equation| &report.input.case.system.states[e.state].name;
     let mut lines: Vec<String> =
         report.equations.iter().map(|e| format!("d{}/dt = {}", state(e), e.text)).collect();
+    lines.extend(report.impacts.iter().map(|impact| impact.text.clone()));
     lines.extend(details(report));
     lines.join("\n") + "\n"
 }

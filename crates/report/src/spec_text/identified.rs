@@ -5,7 +5,7 @@ use super::edit::{Text, first, head, number, records_of, sensor_of};
 use crate::input::Input;
 use phisindy_expr::{AstKind, Binary, Unary, parse};
 use phisindy_learn::{FoundParameter, Identified, ParameterOf};
-use phisindy_phys::spec::{ConstantSpec, DataSpec, Spec, UnknownSpec};
+use phisindy_phys::spec::{ConstantSpec, DataSpec, SensorValue, Spec, UnknownSpec};
 use phisindy_phys::unit::{Dimension, Unit};
 use phisindy_phys::{SourceId, spec};
 
@@ -200,7 +200,8 @@ fn parameters(text: &mut Text, spec: &Spec, input: Input<'_>, found: &Identified
 
 /// A movable constant stays movable and starts at its fitted value.
 fn constant(text: &mut Text, spec: &Spec, name: &str, value: f64) -> Result<(), String> {
-    let Some((_, constant)) = spec.constants.iter().find(|(n, _)| n.value == name) else { return Ok(()) };
+    let own = spec.constants.iter().find(|(n, _)| n.value == name);
+    let Some((_, constant)) = own else { return restitution(text, spec, name, value) };
     let (field, within) = match constant {
         ConstantSpec::Movable(m) => ("value", &m.within),
         ConstantSpec::Find(f) => ("start", &f.within),
@@ -208,6 +209,15 @@ fn constant(text: &mut Text, spec: &Spec, name: &str, value: f64) -> Result<(), 
     };
     // Conversion to SI and back may move a value past its bound by one bit.
     text.set(&["constants", name, field], &number(value.clamp(within.0.value, within.1.value)))
+}
+
+/// The restitution of an impact starts at its fitted value.
+fn restitution(text: &mut Text, spec: &Spec, name: &str, value: f64) -> Result<(), String> {
+    let of = name.strip_suffix(".restitution").unwrap_or_default();
+    let own = spec.impacts.iter().find(|(n, _)| n.value == of).map(|(_, impact)| &impact.restitution);
+    let Some(SensorValue::Find(find)) = own else { return Ok(()) };
+    let value = value.clamp(find.within.0.value, find.within.1.value);
+    text.set(&["impacts", of, "restitution", "start"], &number(value))
 }
 
 /// A constant with one value per record becomes a constant of the records.

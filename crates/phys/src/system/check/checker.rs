@@ -23,6 +23,8 @@ pub(super) struct Checker {
     definitions: HashMap<Id, Id>,
     /// Constants that some expression uses.
     pub(super) used: HashSet<String>,
+    /// Names in the periods and delays of what is held.
+    pub(super) timing: HashSet<String>,
     /// Laws of the catalogue that `unknown` names, each with its state.
     pub(super) laws: Vec<(usize, Text)>,
     /// What `unknown` asks a formula for.
@@ -40,6 +42,7 @@ impl Checker {
             constants: Constants::default(),
             definitions: HashMap::new(),
             used: HashSet::new(),
+            timing: HashSet::new(),
             laws: vec![],
             searches: vec![],
         }
@@ -165,7 +168,9 @@ impl Checker {
         match lowered {
             Ok(root) => {
                 let root = self.graph.replace(&[root], &self.definitions)[0];
-                Some(self.constants.folded(&mut self.graph, root))
+                let root = self.constants.folded(&mut self.graph, root);
+                self.timings(text, &ast, root);
+                Some(root)
             }
             Err(unknown) => {
                 let constants: Vec<String> = self.constants.names().map(str::to_owned).collect();

@@ -129,7 +129,9 @@ impl Checker {
             constants: self.constants.fixed(),
             contacts,
             places,
+            impacts: vec![],
         };
+        self.impacts(spec, &allowed, &mut system);
         self.filters(spec, &mut system);
         system
     }

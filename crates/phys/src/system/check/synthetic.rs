@@ -2,7 +2,7 @@
 
 use super::checker::Checker;
 use super::record::quantity_names;
-use crate::system::equations::System;
+use crate::system::equations::{System, with_reactions};
 use crate::system::model::Model;
 use crate::system::plan::{Origin, RecordPlan, Synthetic, SyntheticInput};
 use crate::text::spec::{DataSpec, InputSpec, NoiseSpec, Spec, SyntheticSpec, Text};
@@ -187,6 +187,8 @@ impl Checker {
             }
         }
         let mut truth = System { graph: self.graph.clone(), ..system.clone() };
+        let impacts = truth.rebounds(&mut self.graph, &mut self.names);
+        truth.graph.clone_from(&self.graph);
         for (output, &part) in truth.outputs.iter_mut().zip(shown) {
             output.reading = truth.graph.add(output.reading, part);
         }
@@ -200,8 +202,9 @@ impl Checker {
         let rates = self.graph.replace(&sums, &with);
         let read: Vec<Id> = truth.outputs.iter().map(|o| o.node).collect();
         let outputs = self.graph.replace(&read, &with);
+        let moved = with_reactions(&mut self.graph, &rates, &impacts);
         let whole: HashMap<Id, Id> =
-            system.rate_symbols.iter().map(|&(k, symbol)| (symbol, rates[k])).collect();
+            system.rate_symbols.iter().map(|&(k, symbol)| (symbol, moved[k])).collect();
         let outputs = self.graph.replace(&outputs, &whole);
         let mut settled = Vec::new();
         for filter in &truth.filters {
@@ -214,7 +217,7 @@ impl Checker {
             (both[0], both[1])
         });
         let constraints = constraints.collect();
-        let model = Model {
+        let mut model = Model {
             graph: self.graph.clone(),
             names: self.names.clone(),
             time: system.time,
@@ -223,7 +226,9 @@ impl Checker {
             parameters: system.record_constants.iter().map(|&(_, node)| node).collect(),
             rates,
             outputs,
+            impacts,
         };
+        model.replace_in_impacts(&with);
         (model, settled, constraints)
     }
 

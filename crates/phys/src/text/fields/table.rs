@@ -4,7 +4,7 @@
 use super::Absent::{Is, Needed, Without};
 use super::Form::{self, *};
 use super::Kind::{
-    Constant, Definition, Given, Grid, Input, Internal, Output, Parameter, Place, Role, Speed, State,
+    Constant, Definition, Given, Grid, Impact, Input, Internal, Output, Parameter, Place, Role, Speed, State,
 };
 use super::{Field, Group};
 
@@ -82,6 +82,7 @@ group! { SPEC = "the spec", None;
     Field("unknown", Map(&STATE, &Group(&UNKNOWN)), "[what might be missing](#an-unknown-part), for each rate that may lack something", Is("nothing is missing")),
     Field("contacts", List(&Expression), "velocities, or differences of velocities, inputs and constants, that can stick", Is("none")),
     Field("places", Map(&Declares(Place), &One(&[Expression, Group(&PLACE)])), "names of places and the speeds along which forces act there, `{ \"rail\": \"r*w - v\" }`, also where the direction turns, `\"r*sin(th)*w\"`. Or a signal and how what depends on it enters the rates, `\"leak\": (of: \"p1 - p2\", enters: { \"p1\": \"-B/V\", \"p2\": \"B/V\" })`; or an input, `\"valve\": (of: \"u\", replaces: \"u\")`. `gap` looks there first", Is("speeds, their differences, contacts")),
+    Field("impacts", Map(&Declares(Impact), &Group(&IMPACT)), "map of names to [impacts](#an-impact): where a gap closes, the closing speed is reversed", Is("none")),
     Field("limits", Mixed(&LIMITS, &Name(&[State, Output, Input, Constant]), &BOUNDS), "what the rig can do and may do, for [the next run](guides/next.md): `{ \"F\": (-5.0, 5.0), \"x\": (-0.02, 0.02), duration: 60.0, band: (0.1, 10.0) }`. Inputs may be driven, states and outputs must stay within, constants can be set to either end; longest run in s, frequencies of a drive in Hz", Is("what the records have shown")),
     Field("data", List(&One(&[Group(&CSV), Group(&TABLE), Group(&SYNTHETIC), Group(&ARRAYS)])), "the records, [`Csv(...)`](#csv), [`Table(...)`](#table) or [`Synthetic(...)`](#synthetic)", Needed),
     Field("learn", Group(&LEARN), "[how to identify](#learn)", Is("the program chooses")),
@@ -100,6 +101,11 @@ group! { PLACE = "a place", None;
     Field("of", Expression, "the speed along which a force acts there, or with `enters` any signal that it depends on", Needed),
     Field("enters", Map(&STATE, &Expression), "by how much it changes the rates of states, where that does not follow from the speed", Is("it follows from the speed")),
     Field("replaces", INPUT, "the input that is looked at first, in the place of a force", Is("none")),
+}
+
+group! { IMPACT = "an impact", None;
+    Field("when", Expression, "the gap, which is open above zero: an expression of displacements, inputs, constants and `t`", Needed),
+    Field("restitution", SENSOR_VALUE, "the part of the closing speed with which it opens again, from 0 to 1: a number, an expression of constants, or `Find(...)`", Needed),
 }
 
 group! { LIMITS = "`limits`", None;

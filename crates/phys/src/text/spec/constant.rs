@@ -131,7 +131,7 @@ impl Reader<'_> {
         Some(FilterSpec { order: order?, cutoff: cutoff?, span: node.span })
     }
 
-    fn sensor_value(&mut self, node: &Node) -> Option<SensorValue> {
+    pub(super) fn sensor_value(&mut self, node: &Node) -> Option<SensorValue> {
         match (node.shape, self.variant(node)) {
             (Shape::Number, _) => self.number(node).map(SensorValue::Number),
             (Shape::Group, Some("Find")) => self.find(node).map(SensorValue::Find),

@@ -1,7 +1,7 @@
 //! The whole spec.
 
 use super::reader::Reader;
-use super::{DataSpec, OutputSpec, PlaceSpec, Spec, Text, UnknownSpec};
+use super::{DataSpec, ImpactSpec, OutputSpec, PlaceSpec, Spec, Text, UnknownSpec};
 use crate::text::diagnostic::{Diagnostic, SourceId};
 use crate::text::fields;
 use crate::text::raw::{Node, Shape, parse};
@@ -92,6 +92,7 @@ impl Reader<'_> {
         let unknown = self.pairs(&fields, "unknown", Self::unknown);
         let contacts = self.optional(&fields, "contacts", |r, n| r.list(n, Self::words));
         let places = self.pairs(&fields, "places", Self::place);
+        let impacts = self.pairs(&fields, "impacts", Self::impact);
         let limits = self.optional(&fields, "limits", Self::limits);
         let data = match data {
             Data::Required => self.required(&fields, "data", |r, n| r.filled(n, RECORD, Self::record)),
@@ -120,6 +121,7 @@ impl Reader<'_> {
             unknown,
             contacts: contacts.unwrap_or_default(),
             places,
+            impacts,
             limits,
             data: data?,
             learn: learn.unwrap_or_default(),
@@ -147,6 +149,14 @@ impl Reader<'_> {
         let enters = self.pairs(&fields, "enters", Self::words);
         let replaces = self.optional(&fields, "replaces", Self::words);
         Some(PlaceSpec { of: of?, enters, replaces })
+    }
+
+    /// `(when: "z", restitution: 0.8)`
+    fn impact(&mut self, node: &Node) -> Option<ImpactSpec> {
+        let fields = self.fields(node, &fields::IMPACT)?;
+        let when = self.required(&fields, "when", Self::words);
+        let restitution = self.required(&fields, "restitution", Self::sensor_value);
+        Some(ImpactSpec { when: when?, restitution: restitution? })
     }
 
     /// `(unit: "m/s^2", reads: "rate(v)")`

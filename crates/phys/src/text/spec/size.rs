@@ -18,6 +18,8 @@ const OUTPUTS: usize = 100;
 const CANDIDATES: usize = 1000;
 /// Most contacts.
 const CONTACTS: usize = 100;
+/// Most impacts.
+const IMPACTS: usize = 20;
 /// Most records.
 const RECORDS: usize = 1000;
 /// Most samples of a simulated record.
@@ -65,6 +67,12 @@ impl Reader<'_> {
             CONTACTS,
             spec.contacts.iter().map(|c| c.span),
             "list the velocities that can stick",
+        );
+        self.at_most(
+            "impacts",
+            IMPACTS,
+            spec.impacts.iter().map(|(n, _)| n.span),
+            "list the gaps that close",
         );
         let records = spec.data.iter().map(|d| match d {
             DataSpec::Csv(csv) => csv.path.span,

@@ -77,6 +77,8 @@ pub(super) enum Conflict {
     Operands { op: Binary, left: (Span, Form), right: (Span, Form) },
     /// The argument of a function that takes a plain number.
     Argument { op: Unary, span: Span, form: Form },
+    /// The period or the delay of what is held is no time.
+    Time { span: Span, form: Form },
     /// An exponent is no plain number.
     Exponent { span: Span, form: Form },
     /// What is raised to a power that varies is no plain number.
@@ -87,12 +89,13 @@ pub(super) enum Conflict {
 pub(super) fn infer(
     ast: &Ast,
     names: impl Fn(&str) -> Option<Quantity>,
+    time: &Measure,
     unknowns: &mut Unknowns,
     conflicts: &mut Vec<Conflict>,
 ) -> Quantity {
     let anything = || Quantity::varying(Measure::Loose(None));
     let mut found: Vec<Quantity> = Vec::with_capacity(ast.nodes.len());
-    let mut rules = Rules { unknowns, conflicts };
+    let mut rules = Rules { time, unknowns, conflicts };
     for node in &ast.nodes {
         let mut taken = |k: usize| (ast.nodes[k].span, std::mem::replace(&mut found[k], anything()));
         let quantity = match &node.kind {
@@ -127,6 +130,7 @@ pub(super) fn infer(
 
 /// The rule of each operation.
 struct Rules<'a> {
+    time: &'a Measure,
     unknowns: &'a mut Unknowns,
     conflicts: &'a mut Vec<Conflict>,
 }
@@ -158,6 +162,13 @@ impl Rules<'_> {
             Binary::Div => a.times(&right.1.measure, -1.0),
             Binary::Pow => self.power(at, a, right.0, right.1),
             Binary::Gate => a,
+            Binary::Hold | Binary::Timing => {
+                if op == Binary::Timing {
+                    self.timed(at, &a);
+                }
+                self.timed(right.0, &right.1.measure);
+                a
+            }
             Binary::Atan2 => {
                 self.alike(op, (at, a), (right.0, right.1.measure));
                 Measure::Fixed(Form::none())
@@ -165,6 +176,15 @@ impl Rules<'_> {
             Binary::Add | Binary::Sub | Binary::Min | Binary::Max | Binary::Dead | Binary::Mod => {
                 self.alike(op, (at, a), (right.0, right.1.measure))
             }
+        }
+    }
+
+    /// Demands a time.
+    fn timed(&mut self, span: Span, of: &Measure) {
+        if let (Measure::Fixed(form), Measure::Fixed(time)) = (of, self.time)
+            && !self.unknowns.equate(form, time)
+        {
+            self.conflicts.push(Conflict::Time { span, form: form.clone() });
         }
     }
 

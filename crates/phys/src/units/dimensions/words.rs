@@ -45,6 +45,12 @@ impl Words {
                 };
                 plain(format!("`{}` takes", op.row().name), span, form, help)
             }
+            Conflict::Time { span, form } => Diagnostic::error(format!(
+                "period and delay of `hold` are times, not {}",
+                in_unit(form)
+            ))
+            .at(self.source, at(span), is_in(form))
+            .help("write `hold(expression, period)`: a number in seconds, or a constant in \"s\" or \"ms\""),
             Conflict::Exponent { span, form } => {
                 plain("an exponent is".into(), span, form, "divide by a constant in the same unit")
             }
