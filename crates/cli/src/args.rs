@@ -167,7 +167,8 @@ Examples:
   phisindy new run1.csv                         what is in it, and a spec, on standard output
   phisindy new run1.csv --out run1.ron          the spec into a file, which must not exist yet
   phisindy new run1.csv --out run1.ron --force  the same in place of what is there
-  phisindy new acc.txt --rate 1000 --out a.ron  a file without times: 1000 rows per second",
+  phisindy new acc.txt --rate 1000 --out a.ron  a file without times: 1000 rows per second
+  phisindy new arm.urdf --data log.csv          a robot of URDF or MJCF: energies, and the columns of its joints",
         after_help = "\
 Guessed are the separator, the decimal mark, units in the headings (`x_mm`, `x [mm]`, `t/s`), which column is time, displacement, base motion or force, \
 rows to leave out, and numbers to start from. What the guess rests on stands in comments; what must be looked at is marked EDIT. At most one million \
@@ -453,7 +454,7 @@ pub(crate) struct GoArgs {
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct NewArgs {
     /// Data file: text with any separator, a workbook, MATLAB, NumPy, TDMS, universal file, HDF5, Parquet; or several of
-    /// one rig
+    /// one rig. Or a robot, URDF or MJCF, whose log --data names
     #[arg(value_name = "DATA", required = true)]
     pub(crate) paths: Vec<PathBuf>,
     /// Sheet of a workbook, or variable, structure, group of another file
@@ -573,8 +574,8 @@ const TAKEN: &[(&str, &[&str])] = &[
     (
         "data",
         &[
-            "run", "gap", "go", "simulate", "check", "export", "sweep", "open", "verify", "compare", "next",
-            "lsp",
+            "run", "gap", "go", "new", "simulate", "check", "export", "sweep", "open", "verify", "compare",
+            "next", "lsp",
         ],
     ),
     (
@@ -661,7 +662,7 @@ pub(crate) struct Options {
     /// Use a folder of --out that holds other files too, which stay; `new`, `export`, `laws`: replace the file that is there
     #[arg(long, global = true)]
     pub(crate) force: bool,
-    /// Folder of the data files [else: PHISINDY_DATA, then beside the spec]
+    /// Folder of the data files [else: PHISINDY_DATA, then beside the spec]; `new ROBOT`: its log, a file
     #[arg(long, global = true, value_name = "DIR")]
     pub(crate) data: Option<PathBuf>,
     /// Folder of further laws

@@ -16,10 +16,10 @@ mod tree;
 mod urdf;
 mod xml;
 
+pub use log::Log;
 use phisindy_expr::Span;
 use phisindy_phys::{Diagnostic, SourceId};
 use roxmltree::{Document, ParsingOptions};
-pub use log::Log;
 pub use tree::{Joint, Motion, Robot};
 use xml::{Element, Read};
 
@@ -51,10 +51,13 @@ impl Robot {
     fn checked(self, root: Element<'_>) -> Read<Robot> {
         let count = self.segments.len();
         if count == 0 {
-            return Err(root.wrong("nothing moves: there are no joints", "a draft needs a joint that turns or slides"));
+            return Err(root
+                .wrong("nothing moves: there are no joints", "a draft needs a joint that turns or slides"));
         }
         if count > MOST_JOINTS {
-            return Err(root.wrong(format!("{count} joints are too many"), format!("at most {MOST_JOINTS} are read")));
+            return Err(
+                root.wrong(format!("{count} joints are too many"), format!("at most {MOST_JOINTS} are read"))
+            );
         }
         let Some(k) = self.massless() else { return Ok(self) };
         let name = &self.segments[k].joint.name;

@@ -2,7 +2,7 @@
 
 use phisindy_expr::{Scratch, Tape};
 use phisindy_import::Robot;
-use phisindy_phys::{Case, SourceId, Sources, check, spec};
+use phisindy_phys::{Case, SourceId, check, spec};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -27,12 +27,14 @@ fn accelerations(case: &Case, points: &[[Vec<f64>; 3]]) -> Vec<Vec<f64>> {
     let all: Vec<_> =
         [model.time].into_iter().chain(model.states).chain(model.inputs).chain(model.parameters).collect();
     let tape = Tape::compile(&model.graph, &all, &model.rates).expect("a tape");
-    let parameters = case.system.parameters.iter().map(|p| if p.name.starts_with("Fc") { 0.0 } else { p.start });
+    let parameters =
+        case.system.parameters.iter().map(|p| if p.name.starts_with("Fc") { 0.0 } else { p.start });
     let parameters: Vec<f64> = parameters.collect();
     let mut scratch = Scratch::<1>::new(&tape);
     let each = |[q, v, force]: &[Vec<f64>; 3]| {
         let states = q.iter().zip(v).flat_map(|(q, v)| [*q, *v]);
-        let values = [0.0].into_iter().chain(states).chain(force.iter().copied()).chain(parameters.iter().copied());
+        let values =
+            [0.0].into_iter().chain(states).chain(force.iter().copied()).chain(parameters.iter().copied());
         values.enumerate().for_each(|(k, value)| scratch.input(k)[0] = value);
         scratch.run();
         (0..q.len()).map(|k| scratch.output(2 * k + 1)[0]).collect()
@@ -43,7 +45,8 @@ fn accelerations(case: &Case, points: &[[Vec<f64>; 3]]) -> Vec<Vec<f64>> {
 /// A Python that has MuJoCo: that of PHISINDY_MUJOCO, or the one of the path.
 fn mujoco() -> Option<PathBuf> {
     let python = std::env::var_os("PHISINDY_MUJOCO").map_or_else(|| PathBuf::from("python3"), PathBuf::from);
-    let there = Command::new(&python).args(["-c", "import mujoco"]).output().is_ok_and(|out| out.status.success());
+    let there =
+        Command::new(&python).args(["-c", "import mujoco"]).output().is_ok_and(|out| out.status.success());
     if !there {
         let test = std::thread::current();
         let line = "Python has no package `mujoco` (PHISINDY_MUJOCO names another one)";
@@ -53,10 +56,49 @@ fn mujoco() -> Option<PathBuf> {
 }
 
 #[test]
+fn shown() {
+    for name in ["arm6.urdf", "cart_pole.xml", "two_link.urdf"] {
+        let text = robot(name).spec_text(None, (name, ""), "");
+        let t = std::time::Instant::now();
+        let own = case(&text);
+        println!("{text}\n{name} check {:?}", t.elapsed());
+        let model = own.system.model(&[]);
+        let all: Vec<_> = [model.time]
+            .into_iter()
+            .chain(model.states)
+            .chain(model.inputs)
+            .chain(model.parameters)
+            .collect();
+        let tape = Tape::compile(&model.graph, &all, &model.rates).expect("a tape");
+        let mut scratch = Scratch::<1>::new(&tape);
+        let t = std::time::Instant::now();
+        for _ in 0..1000 {
+            scratch.run();
+        }
+        println!(
+            "{name} {} ops, one run {:?}, graph {}",
+            tape.operations(),
+            t.elapsed() / 1000,
+            model.graph.reachable(&model.rates).len()
+        );
+    }
+}
+
+#[test]
 fn robots_accelerate_as_in_mujoco() {
     let Some(python) = mujoco() else { return };
-    for name in ["two_link.urdf", "two_link.xml", "cart_pole.urdf", "cart_pole.xml", "skew.urdf", "skew.xml", "arm6.urdf", "arm6.xml"] {
-        let out = Command::new(&python).arg(file("accelerations.py")).arg(file(name)).output().expect("Python");
+    for name in [
+        "two_link.urdf",
+        "two_link.xml",
+        "cart_pole.urdf",
+        "cart_pole.xml",
+        "skew.urdf",
+        "skew.xml",
+        "arm6.urdf",
+        "arm6.xml",
+    ] {
+        let out =
+            Command::new(&python).arg(file("accelerations.py")).arg(file(name)).output().expect("Python");
         assert!(out.status.success(), "{name}: {}", String::from_utf8_lossy(&out.stderr));
         let out = String::from_utf8(out.stdout).expect("UTF-8");
         let mut lines = out.lines();

@@ -50,10 +50,20 @@ impl Body {
     pub(super) fn checked(&self, at: Element<'_>) -> Read<()> {
         let [[xx, xy, xz], [_, yy, yz], [_, _, zz]] = self.inertia;
         let det = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz);
-        let minors = [(xx, 1), (yy, 1), (zz, 1), (xx * yy - xy * xy, 2), (xx * zz - xz * xz, 2), (yy * zz - yz * yz, 2), (det, 3)];
+        let minors = [
+            (xx, 1),
+            (yy, 1),
+            (zz, 1),
+            (xx * yy - xy * xy, 2),
+            (xx * zz - xz * xz, 2),
+            (yy * zz - yz * yz, 2),
+            (det, 3),
+        ];
         let size = (xx + yy + zz).abs();
         if self.mass < 0.0 || !self.mass.is_finite() {
-            return Err(at.wrong(format!("a mass is not negative, and this is {}", self.mass), "look at its sign"));
+            return Err(
+                at.wrong(format!("a mass is not negative, and this is {}", self.mass), "look at its sign")
+            );
         }
         if minors.iter().any(|&(minor, power)| minor < -ROUNDING * size.powi(power)) {
             return Err(at.wrong(

@@ -4,7 +4,7 @@ use super::energy::Energies;
 use super::log::{Log, Role};
 use super::sum::{decimal, rounded};
 use super::tree::{Joint, Motion, Robot};
-use crate::question::OPEN_QUESTION;
+use crate::question::{OPEN_QUESTION, Question};
 use crate::spec_text::literals::{quoted, three_digits};
 use crate::spec_text::record;
 use std::fmt::Write;
@@ -39,11 +39,13 @@ impl Robot {
         let _ = writeln!(text, "    inputs: {{ {} }},", inputs.join(", "));
         self.names(&energies, &mut text);
         self.energy(&energies, &drives, &mut text);
-        let rubs: Vec<String> = self.numbered().filter(|(_, j)| j.friction > 0.0).map(|(k, _)| format!("\"dq{k}\"")).collect();
+        let rubs: Vec<String> =
+            self.numbered().filter(|(_, j)| j.friction > 0.0).map(|(k, _)| format!("\"dq{k}\"")).collect();
         if !rubs.is_empty() {
             let _ = writeln!(text, "    contacts: [{}],", rubs.join(", "));
         }
-        let places: Vec<String> = self.numbered().map(|(k, j)| format!("{}: \"dq{k}\"", quoted(&j.name))).collect();
+        let places: Vec<String> =
+            self.numbered().map(|(k, j)| format!("{}: \"dq{k}\"", quoted(&j.name))).collect();
         let _ = writeln!(text, "    places: {{ {} }},", places.join(", "));
         self.limits(&drives, &mut text);
         text.push_str("    data: [\n");
@@ -53,6 +55,33 @@ impl Robot {
         }
         text.push_str("    ],\n)\n");
         text
+    }
+
+    /// A few lines on the robot and on the columns of its log.
+    pub fn summary(&self, log: Option<&Log>) -> Vec<String> {
+        let Some(log) = log else {
+            return vec![format!(
+                "{}: {} joints, {}; no log (--data FILE)",
+                self.name,
+                self.segments.len(),
+                self.format
+            )];
+        };
+        let mut lines = vec![format!(
+            "{}: {} joints, {}; {} rows",
+            self.name,
+            self.segments.len(),
+            self.format,
+            log.table.rows()
+        )];
+        for (k, joint) in self.joints().enumerate() {
+            let columns = log.headings(k);
+            let taken = if columns.is_empty() { "not measured".to_owned() } else { columns.join(", ") };
+            lines.push(format!("{}: {taken}", joint.name));
+        }
+        let asked = |question: &Question| format!("question: {question} {}", question.answer());
+        lines.extend(log.questions.iter().map(asked));
+        lines
     }
 
     /// The joints with their numbers, from 1.
@@ -68,7 +97,12 @@ impl Robot {
             Motion::Turn => ("tau", "N*m"),
             Motion::Slide => ("F", "N"),
         };
-        let plain = |name: String, unit: &str| Drive { force: name.clone(), input: name, unit: unit.to_owned(), constant: None };
+        let plain = |name: String, unit: &str| Drive {
+            force: name.clone(),
+            input: name,
+            unit: unit.to_owned(),
+            constant: None,
+        };
         let effort = || plain(format!("{letter}{number}"), unit);
         let Some(log) = log else {
             return (self.motors.is_empty() || motor.is_some()).then(effort);
@@ -101,13 +135,13 @@ impl Robot {
             Some(_) => line(format!(
                 "Written by `phisindy new {file} --data {data}`. Look at the lines marked EDIT, then type: phisindy gap {next}"
             )),
-            None => line(format!("Written by `phisindy new {file}`: the model alone, without a record of its motion.")),
+            None => line(format!(
+                "Written by `phisindy new {file}`: the model alone, without a record of its motion."
+            )),
         }
         line(String::new());
         let columns = |k: usize| {
-            let all = log.iter().flat_map(|log| log.roles.iter().filter(move |(joint, ..)| *joint == k));
-            let names = all.zip(log).map(|(&(.., c), log)| format!("`{}`", log.table.columns[c].heading.raw));
-            let names: Vec<String> = names.collect();
+            let names = log.map_or(vec![], |log| log.headings(k));
             if names.is_empty() { String::new() } else { format!(" by {}", names.join(", ")) }
         };
         for (k, segment) in self.segments.iter().enumerate() {
@@ -115,7 +149,8 @@ impl Robot {
                 Motion::Turn => "turns",
                 Motion::Slide => "slides",
             };
-            let on = segment.parent.map_or(String::new(), |p| format!(" on `{}`", self.segments[p].joint.name));
+            let on =
+                segment.parent.map_or(String::new(), |p| format!(" on `{}`", self.segments[p].joint.name));
             line(format!("q{0}, dq{0}: `{1}` {what}{on}{2}", k + 1, segment.joint.name, columns(k)));
         }
         line(String::new());
@@ -138,7 +173,8 @@ impl Robot {
                 Motion::Turn => ("N*m", "kg*m^2", "rad"),
                 Motion::Slide => ("N", "kg", "m"),
             };
-            let per_speed = if joint.motion == Motion::Turn { "N*m*s".to_owned() } else { "N*s/m".to_owned() };
+            let per_speed =
+                if joint.motion == Motion::Turn { "N*m*s".to_owned() } else { "N*s/m".to_owned() };
             let mut line: Vec<String> = vec![];
             if segment.body.mass > 0.0 {
                 line.push(format!("\"m{number}\": ({:?}, \"kg\"),", rounded(segment.body.mass)));
@@ -184,7 +220,8 @@ impl Robot {
             // Sine and cosine stand in one line, the parts of a vector in another one.
             let kind = |name: &str| name.chars().next().map(|c| if c == 's' { 'c' } else { c });
             for same in names.chunk_by(|(a, _), (b, _)| kind(a) == kind(b)) {
-                let all: Vec<String> = same.iter().map(|(name, of)| format!("\"{name}\": \"{of}\",")).collect();
+                let all: Vec<String> =
+                    same.iter().map(|(name, of)| format!("\"{name}\": \"{of}\",")).collect();
                 let _ = writeln!(text, "        {}", all.join(" "));
             }
         }
@@ -200,14 +237,14 @@ impl Robot {
             })
             .collect();
         let _ = writeln!(text, "    energy: (\n        coordinates: {{ {} }},", coordinates.join(", "));
-        let mut sum = |field: &str, parts: &[String], between: &str| {
-            if !parts.is_empty() {
-                let _ = writeln!(text, "        {field}: \"{}\",", parts.join(between));
-            }
-        };
-        sum("kinetic", &energies.kinetic, "\n            + ");
-        sum("potential", &energies.potential, "\n            + ");
-        sum("dissipation", &energies.dissipation, " + ");
+        let kinds = [
+            ("kinetic", &energies.kinetic),
+            ("potential", &energies.potential),
+            ("dissipation", &energies.dissipation),
+        ];
+        for (field, parts) in kinds.into_iter().filter(|(_, parts)| !parts.is_empty()) {
+            let _ = writeln!(text, "        {field}: \"{}\",", parts.join("\n            + "));
+        }
         let forces: Vec<String> = drives
             .iter()
             .enumerate()
@@ -247,7 +284,10 @@ impl Robot {
     fn alone(&self, drives: &[Option<Drive>], text: &mut String) {
         let (mut columns, mut inputs) = (vec![], vec![]);
         for ((k, _), drive) in self.numbered().zip(drives) {
-            columns.push(format!("\"q{k}\": (\"position {k}\", \"{}\")", if self.segments[k - 1].joint.motion == Motion::Turn { "rad" } else { "m" }));
+            columns.push(format!(
+                "\"q{k}\": (\"position {k}\", \"{}\")",
+                if self.segments[k - 1].joint.motion == Motion::Turn { "rad" } else { "m" }
+            ));
             if let Some(drive) = drive {
                 columns.push(format!("\"{}\": \"torque {k}\"", drive.input));
                 inputs.push(format!("\"{}\": Formula(\"0\")", drive.input));
@@ -281,10 +321,14 @@ impl Log {
         let mut columns = vec![];
         for (k, drive) in drives.iter().enumerate() {
             for (role, name) in [(Role::Place, "q"), (Role::Speed, "dq")] {
-                let own = self.column(k, role).map(|c| format!("\"{name}{}\": {}", k + 1, record::column(&self.table, c)));
+                let own = self
+                    .column(k, role)
+                    .map(|c| format!("\"{name}{}\": {}", k + 1, record::column(&self.table, c)));
                 columns.extend(own);
             }
-            let input = [Role::Effort, Role::Current, Role::Command].into_iter().find_map(|role| self.column(k, role));
+            let input = [Role::Effort, Role::Current, Role::Command]
+                .into_iter()
+                .find_map(|role| self.column(k, role));
             if let (Some(drive), Some(c)) = (drive, input) {
                 columns.push(format!("\"{}\": {}", drive.input, record::column(&self.table, c)));
             }
@@ -304,11 +348,21 @@ impl Log {
         match runs.as_slice() {
             [run] => {
                 let times = &self.table.columns[self.time.column].values[run.clone()];
-                let factor = crate::headings::factor(self.table.columns[self.time.column].heading.unit.as_deref());
+                let factor =
+                    crate::headings::factor(self.table.columns[self.time.column].heading.unit.as_deref());
                 let seconds = |k: usize| times[k.min(times.len() - 1)] * factor;
                 let middle = (times.len() as f64 * FITTED) as usize;
-                for (name, from, to, role) in [("fitted", 0, middle, "Fit"), ("predicted", middle, times.len(), "Validate")] {
-                    all.push((name.to_owned(), format!("window: ({:?}, {:?}), role: {role}", rounded(seconds(from)), rounded(seconds(to)))));
+                for (name, from, to, role) in
+                    [("fitted", 0, middle, "Fit"), ("predicted", middle, times.len(), "Validate")]
+                {
+                    all.push((
+                        name.to_owned(),
+                        format!(
+                            "window: ({:?}, {:?}), role: {role}",
+                            rounded(seconds(from)),
+                            rounded(seconds(to))
+                        ),
+                    ));
                 }
             }
             several => {

@@ -37,8 +37,7 @@ struct Moving {
 
 impl Energies {
     pub(super) fn of(robot: &Robot) -> Energies {
-        let mut all =
-            Energies { names: vec![], kinetic: vec![], potential: vec![], dissipation: vec![] };
+        let mut all = Energies { names: vec![], kinetic: vec![], potential: vec![], dissipation: vec![] };
         let ground = Moving {
             up: robot.up().map_or_else(Sums::default, |(up, _)| up.map(Sum::number)),
             ..Moving::default()
@@ -53,8 +52,10 @@ impl Energies {
             all.joint(k, segment);
             motions.push(own);
         }
-        if !heights.is_empty() {
-            all.potential.insert(0, format!("g*({})", heights.join(" + ")));
+        match heights.as_slice() {
+            [] => {}
+            [one] => all.potential.insert(0, format!("g*{one}")),
+            several => all.potential.insert(0, format!("g*({})", several.join(" + "))),
         }
         all
     }
@@ -151,7 +152,7 @@ impl Energies {
             [one] => parts.push(format!("{mass}*{one}/2")),
             several => parts.push(format!("{mass}*({})/2", several.join(" + "))),
         }
-        let mut text = String::new();
+        let (mut text, mut count) = (String::new(), 0);
         for (i, j) in [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)] {
             let (a, b) = (&moving.turn[i], &moving.turn[j]);
             let value = if i == j { body.inertia[i][i] } else { 2.0 * body.inertia[i][j] };
@@ -166,9 +167,12 @@ impl Energies {
                 (false, true) => " - ",
             };
             let _ = write!(text, "{sign}{}*{product}", decimal(value.abs()));
+            count += 1;
         }
-        if !text.is_empty() {
-            parts.push(format!("({text})/2"));
+        match count {
+            0 => {}
+            1 => parts.push(format!("{text}/2")),
+            _ => parts.push(format!("({text})/2")),
         }
         if !parts.is_empty() {
             self.kinetic.push(parts.join(" + "));
@@ -187,11 +191,15 @@ impl Energies {
             let way = Sum::name(&format!("q{number}")).plus(&Sum::number(-joint.spring.1));
             self.potential.push(format!("k{number}*{}/2", way.square()));
         }
+        let mut lost = vec![];
         if joint.damping > 0.0 {
-            self.dissipation.push(format!("b{number}*dq{number}^2/2"));
+            lost.push(format!("b{number}*dq{number}^2/2"));
         }
         if joint.friction > 0.0 {
-            self.dissipation.push(format!("Fc{number}*|dq{number}|"));
+            lost.push(format!("Fc{number}*|dq{number}|"));
+        }
+        if !lost.is_empty() {
+            self.dissipation.push(lost.join(" + "));
         }
     }
 }
@@ -199,4 +207,3 @@ impl Energies {
 fn trace(inertia: &[Vector; 3]) -> f64 {
     inertia[0][0] + inertia[1][1] + inertia[2][2]
 }
-

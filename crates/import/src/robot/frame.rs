@@ -51,8 +51,7 @@ pub(super) fn product(a: &Matrix, b: &Matrix) -> Matrix {
 /// The turn about an axis of length one (Rodrigues).
 pub(super) fn turn(axis: Vector, angle: f64) -> Matrix {
     let (sin, cos) = angle.sin_cos();
-    let across: Matrix =
-        [[0.0, -axis[2], axis[1]], [axis[2], 0.0, -axis[0]], [-axis[1], axis[0], 0.0]];
+    let across: Matrix = [[0.0, -axis[2], axis[1]], [axis[2], 0.0, -axis[0]], [-axis[1], axis[0], 0.0]];
     std::array::from_fn(|i| {
         std::array::from_fn(|j| {
             let unit = f64::from(u8::from(i == j));
@@ -101,7 +100,6 @@ impl Frame {
     pub(super) const SAME: Frame =
         Frame { turn: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], origin: [0.0; 3] };
 
-
     /// The point of this frame in the other one.
     pub(super) fn point(&self, of: Vector) -> Vector {
         add(self.origin, times(&self.turn, of))
@@ -136,7 +134,9 @@ mod tests {
         }
         let upright = with_third_axis(axis);
         let back = product(&transposed(&upright), &upright);
-        assert!(back.iter().flatten().zip(Frame::SAME.turn.iter().flatten()).all(|(a, b)| (a - b).abs() < 1e-14));
+        assert!(
+            back.iter().flatten().zip(Frame::SAME.turn.iter().flatten()).all(|(a, b)| (a - b).abs() < 1e-14)
+        );
         assert_eq!(times(&upright, [0.0, 0.0, 1.0]), axis);
     }
 }

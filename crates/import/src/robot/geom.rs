@@ -27,7 +27,9 @@ pub(super) fn body(geom: &Chain<'_>, compiler: &Compiler) -> Read<Option<Body>> 
         ));
     }
     if geom.text("shellinertia") == Some("true") {
-        return Err(geom.own().wrong("the inertia of a shell is not read", "give the body `<inertial .../>`"));
+        return Err(geom
+            .own()
+            .wrong("the inertia of a shell is not read", "give the body `<inertial .../>`"));
     }
     let size = geom.numbers("size")?.unwrap_or_default();
     let ends: Option<[f64; 6]> = geom.exactly("fromto")?;
@@ -43,13 +45,14 @@ pub(super) fn body(geom: &Chain<'_>, compiler: &Compiler) -> Read<Option<Body>> 
         None => (compiler.frame(geom)?, None),
     };
     let radius = |k: usize| size.get(k).copied().filter(|x| *x > 0.0);
-    // Two points say the last length.
+    // Two points say the last length; across them MuJoCo takes the first size alone.
+    let across_them = |k: usize| radius(if half.is_some() { 0 } else { k });
     let length = |k: usize| half.or_else(|| radius(k));
     let shape = match kind {
         "sphere" => radius(0).map(|r| (4.0 / 3.0 * PI * r.powi(3), [0.4 * r * r; 3])),
-        "ellipsoid" => sides(radius(0), radius(1), length(2))
+        "ellipsoid" => sides(radius(0), across_them(1), length(2))
             .map(|[a, b, c]| (4.0 / 3.0 * PI * a * b * c, across([a, b, c], 0.2))),
-        "box" => sides(radius(0), radius(1), length(2))
+        "box" => sides(radius(0), across_them(1), length(2))
             .map(|[a, b, c]| (8.0 * a * b * c, across([a, b, c], 1.0 / 3.0))),
         "cylinder" => radius(0).zip(length(1)).map(|(r, h)| {
             let flat = (3.0 * r * r + 4.0 * h * h) / 12.0;
@@ -77,9 +80,8 @@ pub(super) fn body(geom: &Chain<'_>, compiler: &Compiler) -> Read<Option<Body>> 
         ));
     };
     let mass = mass.unwrap_or(density * volume);
-    let inertia = std::array::from_fn(|i| {
-        std::array::from_fn(|j| if i == j { mass * per_mass[i] } else { 0.0 })
-    });
+    let inertia =
+        std::array::from_fn(|i| std::array::from_fn(|j| if i == j { mass * per_mass[i] } else { 0.0 }));
     let body = Body { mass, centre: [0.0; 3], inertia };
     body.checked(geom.own())?;
     Ok(Some(body.seen_from(&frame)))

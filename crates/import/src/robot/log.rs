@@ -88,6 +88,12 @@ impl Log {
         self.roles.iter().find(|&&(of, own, _)| (of, own) == (joint, role)).map(|&(.., column)| column)
     }
 
+    /// The headings of the columns of a joint.
+    pub(super) fn headings(&self, joint: usize) -> Vec<String> {
+        let own = self.roles.iter().filter(|(of, ..)| *of == joint);
+        own.map(|&(.., c)| format!("`{}`", self.table.columns[c].heading.raw)).collect()
+    }
+
     /// Of so many rows one mean, where there are more than a fit needs.
     pub(super) fn decimation(&self) -> usize {
         self.table.rows().div_ceil(PLENTY).max(1)
@@ -106,15 +112,16 @@ impl Robot {
         let joints = self.joints().enumerate().map(|(k, joint)| (joint.name.as_str(), k, false));
         let motors = self.motors.iter().map(|motor| (motor.name.as_str(), motor.joint, true));
         // The longest name: `arm` stands in `forearm`, and `joint 1` may be a part of `joint 1 b`.
-        let named = joints
-            .chain(motors)
-            .filter_map(|(name, joint, motor)| Some((name.len(), joint, motor, without(&heading.raw, name)?)));
+        let named = joints.chain(motors).filter_map(|(name, joint, motor)| {
+            Some((name.len(), joint, motor, without(&heading.raw, name)?))
+        });
         let (joint, motor, rest) = match named.max_by_key(|(length, _, motor, _)| (*length, !motor)) {
             Some((_, joint, motor, rest)) => (joint, motor, rest),
             None => {
                 let (number, rest) = numbered(&heading.name)?;
                 // Some count from zero.
-                let from_zero = table.columns.iter().any(|c| numbered(&c.heading.name).is_some_and(|n| n.0 == 0));
+                let from_zero =
+                    table.columns.iter().any(|c| numbered(&c.heading.name).is_some_and(|n| n.0 == 0));
                 (number.checked_sub(usize::from(!from_zero))?, false, rest)
             }
         };
@@ -130,7 +137,9 @@ impl Robot {
             Quantity::Angle | Quantity::Length => Role::Place,
             Quantity::AngularSpeed | Quantity::Speed => Role::Speed,
             Quantity::Torque | Quantity::Force => Role::Effort,
-            Quantity::Electric if heading.unit.as_deref().is_some_and(|unit| unit.ends_with('A')) => Role::Current,
+            Quantity::Electric if heading.unit.as_deref().is_some_and(|unit| unit.ends_with('A')) => {
+                Role::Current
+            }
             Quantity::Acceleration | Quantity::Time => return None,
             _ if has(RATES_OF_SPEED) || has(ACCELERATIONS) => return None,
             _ if has(CURRENTS) => Role::Current,
@@ -175,7 +184,10 @@ mod tests {
 
     #[test]
     fn names_of_joints_stand_as_words_of_their_own() {
-        assert_eq!(without("/joint_states/elbow/position", "elbow").as_deref(), Some("/joint_states/ /position"));
+        assert_eq!(
+            without("/joint_states/elbow/position", "elbow").as_deref(),
+            Some("/joint_states/ /position")
+        );
         assert_eq!(without("joint10_pos", "joint1"), None);
         assert_eq!(numbered("actual_q_0"), Some((0, "actual_q_".to_owned())));
         assert_eq!(numbered("position[12]"), Some((12, "position[".to_owned())));

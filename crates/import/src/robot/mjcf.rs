@@ -1,7 +1,9 @@
 //! MJCF (the format of MuJoCo, <https://mujoco.readthedocs.io/en/stable/XMLreference.html>).
 
 use super::body::Body;
-use super::frame::{Frame, Matrix, Vector, cross, direction, of_quaternion, product, transposed, turn, with_shortest_turn};
+use super::frame::{
+    Frame, Matrix, Vector, cross, direction, of_quaternion, product, transposed, turn, with_shortest_turn,
+};
 use super::geom;
 use super::tree::{Joint, Motion, Motor, Robot};
 use super::xml::{Element, Read, right_angle};
@@ -16,11 +18,23 @@ const REFUSED: &[(&str, &str, &str)] = &[
         "other files are not read",
         "write all into one file: `mujoco.MjSpec.from_file(path).to_xml()` does it",
     ),
-    ("freejoint", "a free joint is not read: a spec has joints with one coordinate", "fix the base: delete the joint"),
+    (
+        "freejoint",
+        "a free joint is not read: a spec has joints with one coordinate",
+        "fix the base: delete the joint",
+    ),
     ("tendon", "tendons are not read", "delete `<tendon>` and what uses it, or write the spec by hand"),
-    ("equality", "closed loops and coupled joints are not read", "delete `<equality>`, or write the spec by hand"),
+    (
+        "equality",
+        "closed loops and coupled joints are not read",
+        "delete `<equality>`, or write the spec by hand",
+    ),
     ("replicate", "copies are not read", "write them out: `mujoco.MjSpec.from_file(path).to_xml()` does it"),
-    ("attach", "attached models are not read", "write all into one file: `mujoco.MjSpec.from_file(path).to_xml()` does it"),
+    (
+        "attach",
+        "attached models are not read",
+        "write all into one file: `mujoco.MjSpec.from_file(path).to_xml()` does it",
+    ),
     ("composite", "composite bodies are not read", "replace it by bodies and joints"),
     ("flexcomp", "flexible bodies are not read", "replace it by a rigid body"),
     ("deformable", "flexible bodies are not read", "replace it by a rigid body"),
@@ -72,7 +86,8 @@ pub(super) struct Compiler {
 
 impl Compiler {
     fn of(root: Element<'_>) -> Read<Compiler> {
-        let mut own = Compiler { angle: 1.0_f64.to_radians(), sequence: vec!['x', 'y', 'z'], from_geoms: None };
+        let mut own =
+            Compiler { angle: 1.0_f64.to_radians(), sequence: vec!['x', 'y', 'z'], from_geoms: None };
         for compiler in root.children().filter(|e| e.is("compiler")) {
             if compiler.text("angle") == Some("radian") {
                 own.angle = 1.0;
@@ -213,8 +228,7 @@ pub(super) fn read(root: Element<'_>) -> Read<Robot> {
         }
     };
     for element in root.descendants() {
-        if let Some((_, message, help)) =
-            REFUSED.iter().find(|(tag, ..)| element.is(tag) && active(&element))
+        if let Some((_, message, help)) = REFUSED.iter().find(|(tag, ..)| element.is(tag) && active(&element))
         {
             return Err(element.wrong(*message, *help));
         }
@@ -278,7 +292,10 @@ impl<'a> Walk<'a> {
         depth: usize,
     ) -> Read<()> {
         if body.number("gravcomp")?.is_some_and(|x| x != 0.0) {
-            return Err(body.wrong("`gravcomp` is not read", "delete it; a force that carries the body is one of the motors"));
+            return Err(body.wrong(
+                "`gravcomp` is not read",
+                "delete it; a force that carries the body is one of the motors",
+            ));
         }
         let own = self.compiler.frame(&Chain(vec![body]))?;
         let mut at = (carrier, parent.frame(&own));
@@ -309,7 +326,8 @@ impl<'a> Walk<'a> {
         };
         let unit = if motion == Motion::Turn { self.compiler.angle } else { 1.0 };
         let axis = of.exactly("axis")?.unwrap_or([0.0, 0.0, 1.0]);
-        let axis = direction(axis).ok_or_else(|| of.own().wrong("this axis has no direction", "as in axis=\"0 0 1\""))?;
+        let axis = direction(axis)
+            .ok_or_else(|| of.own().wrong("this axis has no direction", "as in axis=\"0 0 1\""))?;
         let scaled = |x: Option<f64>| x.unwrap_or(0.0) * unit;
         let limited = of.text("limited") != Some("false");
         let range = of.exactly::<2>("range")?.filter(|[low, high]| limited && low < high);
@@ -332,12 +350,18 @@ impl<'a> Walk<'a> {
     fn matter(&self, body: Element<'a>, class: Option<&str>) -> Read<Body> {
         let said = body.child("inertial").filter(|_| self.compiler.from_geoms != Some(true));
         if let Some(inertial) = said {
-            let mass = inertial.number("mass")?.ok_or_else(|| inertial.wrong("`<inertial>` has no `mass`", "in kg"))?;
+            let mass = inertial
+                .number("mass")?
+                .ok_or_else(|| inertial.wrong("`<inertial>` has no `mass`", "in kg"))?;
             let frame = self.compiler.frame(&Chain(vec![inertial]))?;
             let inertia = match (inertial.exactly("fullinertia")?, inertial.exactly("diaginertia")?) {
                 (Some([xx, yy, zz, xy, xz, yz]), _) => [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]],
                 (None, Some([xx, yy, zz])) => [[xx, 0.0, 0.0], [0.0, yy, 0.0], [0.0, 0.0, zz]],
-                (None, None) => return Err(inertial.wrong("`<inertial>` has no inertia", "add `diaginertia` or `fullinertia`")),
+                (None, None) => {
+                    return Err(
+                        inertial.wrong("`<inertial>` has no inertia", "add `diaginertia` or `fullinertia`")
+                    );
+                }
             };
             let own = Body { mass, centre: [0.0; 3], inertia };
             own.checked(inertial)?;
@@ -358,7 +382,10 @@ impl<'a> Walk<'a> {
         let chain = self.defaults.chain(own, None)?;
         let Some(joint) = own.text("joint").or(own.text("jointinparent")) else { return Ok(()) };
         let Some(joint) = self.robot.joints().position(|other| other.name == joint) else {
-            return Err(own.wrong(format!("there is no joint `{joint}`"), "look how it is spelled where it is declared"));
+            return Err(own.wrong(
+                format!("there is no joint `{joint}`"),
+                "look how it is spelled where it is declared",
+            ));
         };
         let name = own.text("name").unwrap_or_default().to_owned();
         if !own.is("motor") {

@@ -56,7 +56,11 @@ impl Sum {
     }
 
     pub(super) fn times_number(&self, by: f64) -> Sum {
-        if by == 0.0 { Sum::default() } else { Sum(self.0.iter().map(|(x, names)| (x * by, names.clone())).collect()) }
+        if by == 0.0 {
+            Sum::default()
+        } else {
+            Sum(self.0.iter().map(|(x, names)| (x * by, names.clone())).collect())
+        }
     }
 
     pub(super) fn times(&self, other: &Sum) -> Sum {

@@ -52,11 +52,14 @@ fn connections<'a>(root: Element<'a>, links: &HashMap<&str, usize>) -> Read<Vec<
     for element in root.children().filter(|e| e.is("joint")) {
         let name = element.needed("name")?;
         if all.iter().any(|other| other.name == name) {
-            return Err(element.wrong(format!("two joints are called `{name}`"), "give one of them another name"));
+            return Err(
+                element.wrong(format!("two joints are called `{name}`"), "give one of them another name")
+            );
         }
         let end = |tag: &'static str| {
             let end = element.child(tag).ok_or_else(|| {
-                element.wrong(format!("joint `{name}` has no `<{tag}>`"), format!("add `<{tag} link=\"...\"/>`"))
+                element
+                    .wrong(format!("joint `{name}` has no `<{tag}>`"), format!("add `<{tag} link=\"...\"/>`"))
             })?;
             let link = end.needed("link")?;
             links.get(link).copied().ok_or_else(|| {
@@ -88,7 +91,11 @@ fn base(root: Element<'_>, links: &[Element<'_>], joints: &[Connection<'_>]) -> 
     match free.next() {
         None => Ok(base),
         Some(other) => Err(links[other].wrong(
-            format!("`{}` hangs on nothing, and so does `{}`", links[other].needed("name")?, links[base].needed("name")?),
+            format!(
+                "`{}` hangs on nothing, and so does `{}`",
+                links[other].needed("name")?,
+                links[base].needed("name")?
+            ),
             "connect it by a joint, of type `fixed` if it does not move",
         )),
     }
@@ -161,7 +168,10 @@ fn body(link: Element<'_>) -> Read<Body> {
     let Some(inertial) = link.child("inertial") else { return Ok(Body::default()) };
     let part = |tag: &'static str| {
         inertial.child(tag).ok_or_else(|| {
-            inertial.wrong(format!("`<inertial>` has no `<{tag}>`"), "give mass and inertia, or leave `<inertial>` out")
+            inertial.wrong(
+                format!("`<inertial>` has no `<{tag}>`"),
+                "give mass and inertia, or leave `<inertial>` out",
+            )
         })
     };
     let mass = part("mass")?.number("value")?.unwrap_or(0.0);

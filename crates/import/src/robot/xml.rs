@@ -76,7 +76,11 @@ impl<'a> Element<'a> {
         let all: Option<Vec<f64>> = text.split_ascii_whitespace().map(number).collect();
         all.map(Some).ok_or_else(|| {
             let message = format!("`{attribute}` holds no numbers: \"{}\"", shortened(text));
-            self.wrong_value(attribute, message, "write finite numbers with blanks between, as in \"0 0 0.5\"")
+            self.wrong_value(
+                attribute,
+                message,
+                "write finite numbers with blanks between, as in \"0 0 0.5\"",
+            )
         })
     }
 
@@ -102,7 +106,11 @@ impl<'a> Element<'a> {
         if x >= 0.0 {
             return Ok(x);
         }
-        Err(self.wrong_value(attribute, format!("`{attribute}` is not negative, and {x} is"), "look at its sign"))
+        Err(self.wrong_value(
+            attribute,
+            format!("`{attribute}` is not negative, and {x} is"),
+            "look at its sign",
+        ))
     }
 }
 
@@ -115,7 +123,11 @@ pub(super) fn right_angle(angle: f64) -> f64 {
     let decimals = text.split_once('.').map_or(0, |(_, decimals)| decimals.len());
     let right = (angle / FRAC_PI_2).round() * FRAC_PI_2;
     let last_digit = 0.1_f64.powi(decimals.min(300) as i32);
-    if decimals >= DECIMALS && (angle - right).abs() <= 0.5 * last_digit + f64::EPSILON { right } else { angle }
+    if decimals >= DECIMALS && (angle - right).abs() <= 0.5 * last_digit + f64::EPSILON {
+        right
+    } else {
+        angle
+    }
 }
 
 /// The begin of a text, for a message.
