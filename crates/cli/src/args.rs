@@ -227,7 +227,7 @@ Exit codes: 0 nothing is missing, or what is missing was found; 1 something is m
         #[arg(long, value_name = "LAW")]
         without: Vec<String>,
     },
-    /// Write an identified model so that it runs elsewhere: Python, C, Modelica, FMU, JSON
+    /// Write an identified model so that it runs elsewhere: Python, C, Modelica, FMU, URDF, MJCF, JSON
     #[command(
         display_order = 6,
         before_help = "\
@@ -239,6 +239,7 @@ Examples:
   phisindy export case7 --to c --out case7.c
   cc -O2 -std=c99 -DPHISINDY_MAIN case7.c -o case7m -lm
   phisindy export case7 --to fmu --out case7.fmu            for Simulink, Dymola, OpenModelica: FMI 3.0
+  phisindy export found --to mjcf --model arm.xml --out arm-found.xml   friction of the joints back into a robot
   phisindy export found/completed.ron --to json             what `gap` found, as data, on standard output",
         after_help = "\
 The file holds the rates as a plain function, its constants by name, and the rule that decides when a contact sticks; Python and C simulate too, with \
@@ -527,6 +528,9 @@ pub(crate) struct ExportArgs {
     /// Record whose start state and constants are written, by name or place [default: 0, the first one]
     #[arg(long, value_name = "NAME")]
     pub(crate) record: Option<String>,
+    /// Of urdf and mjcf: the file of the robot that `phisindy new` drafted the spec from
+    #[arg(long, value_name = "FILE")]
+    pub(crate) model: Option<PathBuf>,
 }
 
 /// A language to export to, by its name.

@@ -14,6 +14,7 @@ mod mjcf;
 mod sum;
 mod tree;
 mod urdf;
+mod write_back;
 mod xml;
 
 pub use log::Log;
@@ -21,6 +22,7 @@ use phisindy_expr::Span;
 use phisindy_phys::{Diagnostic, SourceId};
 use roxmltree::{Document, ParsingOptions};
 pub use tree::{Joint, Motion, Robot};
+pub use write_back::Refitted;
 use xml::{Element, Read};
 
 /// Most elements of a file.
@@ -34,8 +36,7 @@ impl Robot {
     /// # Errors
     /// What is broken, not there, or not to be had as joints with one coordinate in a tree, with its place.
     pub fn read(text: &str, source: SourceId) -> Result<Robot, Box<Diagnostic>> {
-        let options = ParsingOptions { nodes_limit: MOST_NODES, ..ParsingOptions::default() };
-        let document = Document::parse_with_options(text, options).map_err(|e| broken(text, source, &e))?;
+        let document = parsed(text, source)?;
         let root = Element::new(document.root_element(), source);
         let robot = match document.root_element().tag_name().name() {
             "robot" => urdf::read(root),
@@ -70,6 +71,12 @@ impl Robot {
             },
         ))
     }
+}
+
+/// The elements of a file.
+fn parsed(text: &str, source: SourceId) -> Result<Document<'_>, Box<Diagnostic>> {
+    let options = ParsingOptions { nodes_limit: MOST_NODES, ..ParsingOptions::default() };
+    Document::parse_with_options(text, options).map_err(|e| broken(text, source, &e))
 }
 
 /// A file that is no XML.

@@ -26,6 +26,14 @@ pub(crate) fn command(args: &NewArgs, options: &Options) -> Result<u8> {
     written(args, options, Purpose::Draft)
 }
 
+/// The text of a robot, if the file is of one.
+///
+/// # Errors
+/// As a robot it is too large, or no UTF-8.
+pub(crate) fn robot_text(path: &Path) -> Result<Option<String>> {
+    robot::text(path)
+}
+
 /// What a draft is written for.
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) enum Purpose {
@@ -57,7 +65,9 @@ pub(crate) fn written(args: &NewArgs, options: &Options, purpose: Purpose) -> Re
         }
         outdir::unless_there(out, options.force)?;
     }
-    if let Some(text) = robot::text(&args.paths)? {
+    if let [path] = args.paths.as_slice()
+        && let Some(text) = robot::text(path)?
+    {
         return robot::written(&text, args, options, (purpose, out));
     }
     if let (Some(data), Purpose::Draft) = (&options.data, purpose) {

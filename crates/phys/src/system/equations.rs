@@ -159,6 +159,9 @@ pub struct System {
     pub coupling: Vec<(usize, usize, Id)>,
     /// Of a mechanism each speed with the momentum of its coordinate, and the known force that changes it.
     pub momenta: Vec<(usize, Id, Id)>,
+    /// Of `energy` each speed with the force along it that is neither of inertia, potential nor an input: friction
+    /// above all.
+    pub undriven: Vec<(usize, Id)>,
     /// The dictionary, in the order of the spec.
     pub terms: Vec<Term>,
     /// What may move, in the order of the spec.

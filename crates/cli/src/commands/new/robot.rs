@@ -10,19 +10,18 @@ use phisindy_import::{Robot, RobotLog};
 use phisindy_phys::Sources;
 use std::cell::RefCell;
 use std::io::Read;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Largest file of a robot.
 const LARGEST: u64 = 1 << 24;
 /// In so many bytes a file says what it is.
 const BEGIN: usize = 1 << 16;
 
-/// The text of a robot, if the one file is of one: XML with the element that a robot has.
+/// The text of a robot, if the file is of one: XML with the element that a robot has.
 ///
 /// # Errors
 /// It is a robot, and cannot be read.
-pub(super) fn text(paths: &[PathBuf]) -> Result<Option<String>> {
-    let [path] = paths else { return Ok(None) };
+pub(super) fn text(path: &Path) -> Result<Option<String>> {
     // What cannot be opened is told as of a data file.
     let Ok(file) = phisindy::files::open_plain_file(path) else { return Ok(None) };
     let mut bytes = vec![];

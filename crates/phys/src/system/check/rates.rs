@@ -122,6 +122,7 @@ impl Checker {
             inertia,
             coupling: mechanism.coupling,
             momenta: mechanism.momenta,
+            undriven: mechanism.undriven,
             terms,
             parameters,
             record_constants: self.constants.of_records(),
