@@ -119,7 +119,7 @@ fn typed(blocks: &[Block<'_>], folder: &Path, spec: &str) -> usize {
     for block in blocks {
         match (block.kind, block.file) {
             ("diff", _) => edit(&folder.join(spec), &block.lines),
-            ("ron", Some(file)) => {
+            ("ron" | "xml", Some(file)) => {
                 let path = folder.join(file);
                 std::fs::create_dir_all(path.parent().expect("a folder")).expect("a folder");
                 std::fs::write(path, block.lines.join("\n")).expect("a file");
@@ -166,7 +166,7 @@ fn the_guides_are_as_they_say() {
     assert_eq!(play("guides/own-law.md", &rig, "rig.ron"), 3);
     assert_eq!(play("guides/accelerometer.md", &top().join("docs/guides/accelerometer.csv"), "rig.ron"), 3);
     assert_eq!(play("guides/loads.md", &rig, "loads.ron"), 1);
-    assert_eq!(play("guides/mechanism.md", &rig, "rail.ron"), 1);
+    assert_eq!(play("guides/mechanism.md", &rig, "rail.ron"), 2);
     assert_eq!(play("guides/editors.md", &rig, "rig.ron"), 3);
 }
 

@@ -35,13 +35,21 @@ pub(super) fn read(root: Element<'_>) -> Read<Robot> {
     let joints = connections(root, &numbers)?;
     let mut open = vec![(base(root, &links, &joints)?, (None, Frame::SAME))];
     // Outwards from the base. A tree ends, and the last is taken first: joints keep the order of the file.
+    let mut reached = vec![false; links.len()];
     while let Some((link, at)) = open.pop() {
+        reached[link] = true;
         robot.add_body(at, &body(links[link])?);
         let mut next = vec![];
         for joint in joints.iter().filter(|joint| joint.parent == link) {
             next.push((joint.child, moved(&mut robot, joint, at)?));
         }
         open.extend(next.into_iter().rev());
+    }
+    if let Some(joint) = joints.iter().find(|joint| !reached[joint.parent]) {
+        return Err(joint.element.wrong(
+            format!("joint `{}` is in a closed loop: its link hangs on itself", joint.name),
+            "chains and trees are read: cut the loop at one joint, or write a spec by hand",
+        ));
     }
     motors(root, &mut robot)?;
     Ok(robot)
