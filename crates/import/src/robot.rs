@@ -88,6 +88,7 @@ fn broken(text: &str, source: SourceId, error: &roxmltree::Error) -> Box<Diagnos
     let span = Span::new(start + column, start + line.len().max(column));
     let words = error.to_string();
     let words = words.rsplit_once(" at ").map_or(words.as_str(), |(words, _)| words);
+    let words = words.replace(['\n', '\r'], " ");
     let help = "mend the file there: tags are closed, attributes stand in quotes, `&` is written `&amp;`";
     Box::new(Diagnostic::error(format!("this is no XML: {words}")).at(source, span, "").help(help))
 }

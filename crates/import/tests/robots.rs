@@ -306,6 +306,7 @@ fn logs_name_their_joints_in_many_ways() {
             "q1 u1 q2 u2",
         ),
         ("t,position[0],position[1],effort[0],target_q_1", "q1 tau1 q2"),
+        ("t,shoulder_pos,elbow_pos,m_shoulder_effort,elbow_temperature,elbow_V", "q1 u1 q2"),
         ("t_ms,shoulder_deg,elbow_deg,shoulder_Nm", "q1 tau1 q2"),
     ] {
         let rows: Vec<String> = (0..60)

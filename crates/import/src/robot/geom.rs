@@ -22,8 +22,8 @@ pub(super) fn body(geom: &Chain<'_>, compiler: &Compiler) -> Read<Option<Body>> 
     if is_mesh {
         return Err(geom.own().wrong(
             "the inertia of a mesh is not read",
-            "give the body `<inertial pos=\"...\" mass=\"...\" diaginertia=\"...\"/>`; MuJoCo writes it: \
-             `mujoco.MjSpec.from_file(path)`, then `compile()` and `to_xml()` with `inertiafromgeom`, or from a CAD program",
+            "give the body `<inertial pos=\"...\" quat=\"...\" mass=\"...\" diaginertia=\"...\"/>`; MuJoCo knows them: \
+             `model.body_ipos`, `body_iquat`, `body_mass`, `body_inertia`",
         ));
     }
     if geom.text("shellinertia") == Some("true") {

@@ -1,6 +1,6 @@
 //! The columns of a log by joint: which one is the place, the speed or the force of which.
 
-use super::tree::Robot;
+use super::tree::{Motion, Robot};
 use crate::draft::{PLENTY, count, counts, is_counted, name_columns};
 use crate::headings::{ACCELERATIONS as RATES_OF_SPEED, Heading, Quantity, VELOCITIES};
 use crate::no_draft::{NoDraft, blocking};
@@ -66,7 +66,11 @@ impl Log {
                 count(column, unit.as_deref());
                 let heading = column.heading.raw.clone();
                 let of = Counted::Motion { said: true };
-                questions.extend(is_counted(&column.heading).then_some(Question::Counts { heading, of }));
+                if is_counted(&column.heading) {
+                    questions.push(Question::Counts { heading, of });
+                    // A spec takes them for radians or metres until somebody says it.
+                    column.heading.unit = None;
+                }
             }
         }
         let used = |k: usize| roles.iter().any(|&(.., c)| c == k);
@@ -118,10 +122,9 @@ impl Robot {
         let (joint, motor, rest) = match named.max_by_key(|(length, _, motor, _)| (*length, !motor)) {
             Some((_, joint, motor, rest)) => (joint, motor, rest),
             None => {
-                let (number, rest) = numbered(&heading.name)?;
+                let (number, rest) = number(heading)?;
                 // Some count from zero.
-                let from_zero =
-                    table.columns.iter().any(|c| numbered(&c.heading.name).is_some_and(|n| n.0 == 0));
+                let from_zero = table.columns.iter().any(|c| number(&c.heading).is_some_and(|n| n.0 == 0));
                 (number.checked_sub(usize::from(!from_zero))?, false, rest)
             }
         };
@@ -133,24 +136,33 @@ impl Robot {
         if has(COPIES) || has(&["target", "desired", "goal", "setpoint", "ref", "reference"]) {
             return None;
         }
+        let turns = self.segments[joint].joint.motion == Motion::Turn;
         let role = match heading.quantity {
-            Quantity::Angle | Quantity::Length => Role::Place,
-            Quantity::AngularSpeed | Quantity::Speed => Role::Speed,
-            Quantity::Torque | Quantity::Force => Role::Effort,
+            Quantity::Angle if turns => Role::Place,
+            Quantity::Length if !turns => Role::Place,
+            Quantity::AngularSpeed if turns => Role::Speed,
+            Quantity::Speed if !turns => Role::Speed,
+            Quantity::Torque if turns => Role::Effort,
+            Quantity::Force if !turns => Role::Effort,
             Quantity::Electric if heading.unit.as_deref().is_some_and(|unit| unit.ends_with('A')) => {
                 Role::Current
             }
-            Quantity::Acceleration | Quantity::Time => return None,
-            _ if has(RATES_OF_SPEED) || has(ACCELERATIONS) => return None,
-            _ if has(CURRENTS) => Role::Current,
-            _ if has(COMMANDS) || has(&["ctrl", "control"]) => Role::Command,
-            _ if has(EFFORTS) || has(TORQUES) || has(FORCES) => Role::Effort,
-            _ if has(SPEEDS) || has(VELOCITIES) => Role::Speed,
-            _ if motor => Role::Command,
-            _ if words.is_empty() || has(PLACES) || has(DISPLACEMENTS) => Role::Place,
+            Quantity::Count if has(SPEEDS) || has(VELOCITIES) => Role::Speed,
+            Quantity::Count => Role::Place,
+            // What has another unit is another thing.
+            Quantity::Unknown if !(has(RATES_OF_SPEED) || has(ACCELERATIONS)) => match () {
+                () if has(CURRENTS) => Role::Current,
+                () if has(COMMANDS) || has(ORDERS) => Role::Command,
+                () if has(EFFORTS) || has(TORQUES) || has(FORCES) => Role::Effort,
+                () if has(SPEEDS) || has(VELOCITIES) => Role::Speed,
+                () if motor => Role::Command,
+                () if words.is_empty() || has(PLACES) || has(DISPLACEMENTS) => Role::Place,
+                () => return None,
+            },
             _ => return None,
         };
-        Some((joint, role))
+        // What a motor makes reaches its joint through its gear.
+        Some((joint, if motor && role == Role::Effort { Role::Command } else { role }))
     }
 }
 
@@ -158,6 +170,7 @@ impl Robot {
 const PLACES: &[&str] = &["qpos", "joint", "actual", "state", "th"];
 const SPEEDS: &[&str] = &["qvel", "qd", "dq", "qdot"];
 const EFFORTS: &[&str] = &["effort", "tau", "qfrc", "trq"];
+const ORDERS: &[&str] = &["ctrl", "control", "u"];
 const CURRENTS: &[&str] = &["current", "i", "curr", "amp", "amps"];
 
 /// What is left of a heading without this name, in lower case, if it holds that as words of its own.
@@ -168,6 +181,11 @@ fn without(heading: &str, name: &str) -> Option<String> {
         ends(heading[..*at].chars().next_back()) && ends(heading[at + name.len()..].chars().next())
     })?;
     (!name.is_empty()).then(|| format!("{} {}", &heading[..at], &heading[at + name.len()..]))
+}
+
+/// The number of a joint in a heading, and what stands before it. `position[1]` is no position in a unit.
+fn number(heading: &Heading) -> Option<(usize, String)> {
+    numbered(&heading.name).or_else(|| numbered(&heading.raw.to_lowercase()))
 }
 
 /// The number at the end of a name, and what stands before it: `tau_2`, `position[1]`, `q3`.

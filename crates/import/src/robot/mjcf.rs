@@ -1,12 +1,17 @@
 //! MJCF (the format of MuJoCo, <https://mujoco.readthedocs.io/en/stable/XMLreference.html>).
 
+mod classes;
+
 use super::body::Body;
 use super::frame::{
-    Frame, Matrix, Vector, cross, direction, of_quaternion, product, transposed, turn, with_shortest_turn,
+    Frame, Matrix, Vector, cross, direction, of_quaternion, product, times, transposed, turn,
+    with_shortest_turn,
 };
 use super::geom;
 use super::tree::{Joint, Motion, Motor, Robot};
 use super::xml::{Element, Read, right_angle};
+pub(super) use classes::Chain;
+use classes::Defaults;
 
 /// Deeper trees are refused.
 const DEEPEST: usize = 200;
@@ -39,40 +44,6 @@ const REFUSED: &[(&str, &str, &str)] = &[
     ("flexcomp", "flexible bodies are not read", "replace it by a rigid body"),
     ("deformable", "flexible bodies are not read", "replace it by a rigid body"),
 ];
-
-/// An element with the defaults of its class: an attribute that it does not say is said there.
-pub(super) struct Chain<'a>(Vec<Element<'a>>);
-
-impl<'a> Chain<'a> {
-    pub(super) fn own(&self) -> Element<'a> {
-        self.0[0]
-    }
-
-    /// The element that says an attribute.
-    fn says(&self, attribute: &str) -> Element<'a> {
-        self.0.iter().find(|e| e.text(attribute).is_some()).copied().unwrap_or(self.0[0])
-    }
-
-    pub(super) fn text(&self, attribute: &str) -> Option<&'a str> {
-        self.says(attribute).text(attribute)
-    }
-
-    pub(super) fn numbers(&self, attribute: &str) -> Read<Option<Vec<f64>>> {
-        self.says(attribute).numbers(attribute)
-    }
-
-    pub(super) fn exactly<const N: usize>(&self, attribute: &str) -> Read<Option<[f64; N]>> {
-        self.says(attribute).exactly(attribute)
-    }
-
-    pub(super) fn number(&self, attribute: &str) -> Read<Option<f64>> {
-        self.says(attribute).number(attribute)
-    }
-
-    fn size(&self, attribute: &str) -> Read<f64> {
-        self.says(attribute).size(attribute)
-    }
-}
 
 /// How the numbers of a file are to be taken.
 pub(super) struct Compiler {
@@ -107,7 +78,7 @@ impl Compiler {
                 if compiler.number(bound)?.is_some_and(|x| x > 0.0) {
                     return Err(compiler.wrong(
                         format!("`{bound}` changes the masses, which is not read"),
-                        "let MuJoCo write them: `MjSpec.from_file(path)`, `compile()`, `to_xml()`; or delete it",
+                        "delete it, or give each body `<inertial>` with the mass that MuJoCo has (`model.body_mass`)",
                     ));
                 }
             }
@@ -157,58 +128,11 @@ impl Compiler {
     }
 }
 
-/// The classes of `<default>`: each with the class around it.
-struct Defaults<'a>(Vec<(&'a str, Option<usize>, Vec<Element<'a>>)>);
-
-/// The class of what has none.
-const MAIN: &str = "main";
-
-impl<'a> Defaults<'a> {
-    fn of(root: Element<'a>) -> Read<Defaults<'a>> {
-        let mut all = Defaults(vec![(MAIN, None, vec![])]);
-        for own in root.children().filter(|e| e.is("default")) {
-            all.read(own, 0, 0)?;
-        }
-        Ok(all)
-    }
-
-    /// What a class says.
-    fn read(&mut self, element: Element<'a>, class: usize, depth: usize) -> Read<()> {
-        for child in element.children() {
-            if !child.is("default") {
-                self.0[class].2.push(child);
-                continue;
-            }
-            if depth > DEEPEST {
-                return Err(child.wrong("classes are nested too deep", "no model needs that"));
-            }
-            self.0.push((child.needed("class")?, Some(class), vec![]));
-            self.read(child, self.0.len() - 1, depth + 1)?;
-        }
-        Ok(())
-    }
-
-    /// An element with the defaults of its class, or of the one that holds here.
-    fn chain(&self, element: Element<'a>, around: Option<&str>) -> Read<Chain<'a>> {
-        let name = element.text("class").or(around).unwrap_or(MAIN);
-        let named = |own: &(&str, Option<usize>, Vec<Element<'a>>)| own.0 == name;
-        // What is in no class of its own may name the outermost one as the file does.
-        let mut class = self.0.iter().position(named);
-        if class.is_none() {
-            return Err(element.wrong(
-                format!("there is no class `{name}` in `<default>`"),
-                "look how it is spelled there",
-            ));
-        }
-        let mut chain = vec![element];
-        while let Some(k) = class {
-            let (_, parent, elements) = &self.0[k];
-            // The last of several holds.
-            chain.extend(elements.iter().rev().filter(|e| e.is(element.node.tag_name().name())));
-            class = *parent;
-        }
-        Ok(Chain(chain))
-    }
+/// An element of a body: where the frames around it stand in the body, and the class that holds there.
+struct Part<'a> {
+    element: Element<'a>,
+    frame: Frame,
+    class: Option<&'a str>,
 }
 
 /// What the walk through the bodies knows.
@@ -246,7 +170,8 @@ pub(super) fn read(root: Element<'_>) -> Read<Robot> {
     }
     let mut walk = Walk { compiler: Compiler::of(root)?, defaults: Defaults::of(root)?, robot };
     for world in root.children().filter(|e| e.is("worldbody")) {
-        walk.children(world, (None, Frame::SAME), None, 0)?;
+        let parts = walk.parts(world, (Frame::SAME, None), 0)?;
+        walk.bodies(&parts, (None, Frame::SAME), 0)?;
     }
     for actuators in root.children().filter(|e| e.is("actuator")) {
         actuators.children().try_for_each(|own| walk.motor(own))?;
@@ -255,60 +180,69 @@ pub(super) fn read(root: Element<'_>) -> Read<Robot> {
 }
 
 impl<'a> Walk<'a> {
-    /// The bodies in a body or in a frame. A frame is written out.
-    fn children(
-        &mut self,
+    /// What stands in a body, with the frames around it there written out.
+    fn parts(
+        &self,
         element: Element<'a>,
-        at: (Option<usize>, Frame),
-        class: Option<&'a str>,
+        around: (Frame, Option<&'a str>),
+        depth: usize,
+    ) -> Read<Vec<Part<'a>>> {
+        if depth > DEEPEST {
+            return Err(element.wrong("bodies and frames are nested too deep", "no robot needs that"));
+        }
+        let mut all = vec![];
+        for child in element.children() {
+            let (frame, class) = (around.0, child.text("childclass").or(around.1));
+            if child.is("frame") {
+                let own = self.compiler.frame(&Chain::alone(child))?;
+                all.extend(self.parts(child, (frame.frame(&own), class), depth + 1)?);
+            } else {
+                all.push(Part { element: child, frame, class });
+            }
+        }
+        Ok(all)
+    }
+
+    /// The bodies among these parts of what is carried so.
+    fn bodies(
+        &mut self,
+        parts: &[Part<'a>],
+        (carrier, at): (Option<usize>, Frame),
         depth: usize,
     ) -> Read<()> {
-        if depth > DEEPEST {
-            return Err(element.wrong("bodies are nested too deep", "no robot needs that"));
-        }
-        for child in element.children() {
-            let class = child.text("childclass").or(class);
-            if child.is("body") {
-                self.body(child, at, class, depth)?;
-            } else if child.is("frame") {
-                let own = self.compiler.frame(&Chain(vec![child]))?;
-                if child.children().any(|e| e.is("joint") || e.is("geom") || e.is("inertial")) {
-                    return Err(child.wrong(
-                        "a `<frame>` with joints or geoms is not read",
-                        "MuJoCo writes it out: `mujoco.MjSpec.from_file(path).to_xml()`",
-                    ));
-                }
-                self.children(child, (at.0, at.1.frame(&own)), class, depth + 1)?;
-            }
+        for part in parts.iter().filter(|part| part.element.is("body")) {
+            self.body(part, (carrier, at.frame(&part.frame)), depth + 1)?;
         }
         Ok(())
     }
 
-    fn body(
-        &mut self,
-        body: Element<'a>,
-        (carrier, parent): (Option<usize>, Frame),
-        class: Option<&'a str>,
-        depth: usize,
-    ) -> Read<()> {
+    fn body(&mut self, part: &Part<'a>, (carrier, parent): (Option<usize>, Frame), depth: usize) -> Read<()> {
+        let body = part.element;
         if body.number("gravcomp")?.is_some_and(|x| x != 0.0) {
             return Err(body.wrong(
                 "`gravcomp` is not read",
                 "delete it; a force that carries the body is one of the motors",
             ));
         }
-        let own = self.compiler.frame(&Chain(vec![body]))?;
+        let own = self.compiler.frame(&Chain::alone(body))?;
         let mut at = (carrier, parent.frame(&own));
-        for joint in body.children().filter(|e| e.is("joint")) {
-            let chain = self.defaults.chain(joint, class)?;
-            at = self.joint(&chain, at)?;
+        let parts = self.parts(body, (Frame::SAME, part.class), depth)?;
+        for Part { element, frame, class } in parts.iter().filter(|part| part.element.is("joint")) {
+            let chain = self.defaults.chain(*element, *class)?;
+            at = self.joint(&chain, frame, at)?;
         }
-        let matter = self.matter(body, class)?;
+        let matter = self.matter(body, &parts)?;
         self.robot.add_body(at, &matter);
-        self.children(body, at, class, depth + 1)
+        self.bodies(&parts, at, depth)
     }
 
-    fn joint(&mut self, of: &Chain<'_>, at: (Option<usize>, Frame)) -> Read<(Option<usize>, Frame)> {
+    /// Adds a joint that stands so in its body, which is carried so; returns what carries the body then.
+    fn joint(
+        &mut self,
+        of: &Chain<'_>,
+        frame: &Frame,
+        at: (Option<usize>, Frame),
+    ) -> Read<(Option<usize>, Frame)> {
         let number = self.robot.segments.len() + 1;
         let name = of.own().text("name").map_or_else(|| format!("joint {number}"), str::to_owned);
         if of.own().text("name").is_none() {
@@ -343,17 +277,17 @@ impl<'a> Walk<'a> {
             effort: None,
         };
         let point = of.exactly("pos")?.unwrap_or_default();
-        Ok(self.robot.add_joint(at, joint, (axis, point)))
+        Ok(self.robot.add_joint(at, joint, (times(&frame.turn, axis), frame.point(point))))
     }
 
     /// The body of an element: what it says, or what it draws.
-    fn matter(&self, body: Element<'a>, class: Option<&str>) -> Read<Body> {
+    fn matter(&self, body: Element<'a>, parts: &[Part<'a>]) -> Read<Body> {
         let said = body.child("inertial").filter(|_| self.compiler.from_geoms != Some(true));
         if let Some(inertial) = said {
             let mass = inertial
                 .number("mass")?
                 .ok_or_else(|| inertial.wrong("`<inertial>` has no `mass`", "in kg"))?;
-            let frame = self.compiler.frame(&Chain(vec![inertial]))?;
+            let frame = self.compiler.frame(&Chain::alone(inertial))?;
             let inertia = match (inertial.exactly("fullinertia")?, inertial.exactly("diaginertia")?) {
                 (Some([xx, yy, zz, xy, xz, yz]), _) => [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]],
                 (None, Some([xx, yy, zz])) => [[xx, 0.0, 0.0], [0.0, yy, 0.0], [0.0, 0.0, zz]],
@@ -369,9 +303,9 @@ impl<'a> Walk<'a> {
         }
         let mut all = Body::default();
         if self.compiler.from_geoms != Some(false) {
-            for geom in body.children().filter(|e| e.is("geom")) {
-                let own = geom::body(&self.defaults.chain(geom, class)?, &self.compiler)?;
-                all = own.map_or(all, |own| all.with(&own));
+            for Part { element, frame, class } in parts.iter().filter(|part| part.element.is("geom")) {
+                let own = geom::body(&self.defaults.chain(*element, *class)?, &self.compiler)?;
+                all = own.map_or(all, |own| all.with(&own.seen_from(frame)));
             }
         }
         Ok(all)

@@ -6,6 +6,9 @@ use super::xml::{Element, Read};
 use phisindy_phys::{Diagnostic, SourceId};
 use std::ops::Range;
 
+/// Elements in which a joint is one.
+const CARRIERS: &[&str] = &["robot", "body", "frame"];
+
 /// What a joint gets.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Refitted {
@@ -36,8 +39,8 @@ impl Robot {
         let (mut edits, mut lost) = (vec![], vec![]);
         for joint in joints {
             let named = |e: &Element<'_>| {
-                let carries =
-                    e.node.parent().is_some_and(|p| p.has_tag_name("robot") || p.has_tag_name("body"));
+                // Motors and transmissions name joints, too.
+                let carries = e.node.parent().is_some_and(|p| CARRIERS.contains(&p.tag_name().name()));
                 e.is("joint") && carries && e.text("name") == Some(&joint.joint)
             };
             match root.descendants().find(named) {
@@ -78,20 +81,29 @@ fn urdf(element: Element<'_>, joint: &Refitted, edits: &mut Edits) -> Read<()> {
         .last()
         .ok_or_else(|| element.wrong("this joint holds nothing", "add its links"))?;
     let end = last.node.range().end;
-    let words =
-        format!("<dynamics damping=\"{}\" friction=\"{}\"/>", decimal(joint.viscous), decimal(joint.dry));
+    let words = format!(
+        "<dynamics damping=\"{}\" friction=\"{}\"/>",
+        six_digits(joint.viscous),
+        six_digits(joint.dry)
+    );
     edits.push((end..end, words));
     Ok(())
 }
 
+/// No friction is known better.
+fn six_digits(x: f64) -> String {
+    decimal(format!("{x:.5e}").parse().unwrap_or(x))
+}
+
 /// Gives an attribute a number.
 fn set(element: Element<'_>, attribute: &str, number: f64, edits: &mut Edits) {
-    let number = decimal(number);
+    let number = six_digits(number);
     match element.node.attribute_node(attribute) {
         Some(own) => edits.push((own.range_value(), number)),
         None => {
-            // Behind the name of the tag.
-            let at = element.node.range().start + 1 + element.node.tag_name().name().len();
+            // Behind the last attribute, or else the name of the tag.
+            let name = element.node.range().start + 1 + element.node.tag_name().name().len();
+            let at = element.node.attributes().last().map_or(name, |a| a.range().end);
             edits.push((at..at, format!(" {attribute}=\"{number}\"")));
         }
     }

@@ -3,6 +3,9 @@
 use phisindy_expr::{Scratch, Tape};
 use phisindy_phys::System;
 
+/// A part of a friction that is so small beside it is what rounding leaves.
+const ROUNDING: f64 = 1e-9;
+
 /// Motion of a record, in SI.
 pub struct Moved {
     /// The samples of each state of the system.
@@ -59,12 +62,16 @@ impl JointFriction {
         }
         // At rest the force is what holds, not what these numbers say.
         all.retain(|(v, force)| *v != 0.0 && force.is_finite());
-        let (dry, viscous) = nearest(&all)?;
+        let fastest = all.iter().fold(0.0_f64, |most, (v, _)| most.max(v.abs()));
+        let strongest = all.iter().fold(0.0_f64, |most, (_, force)| most.max(force.abs()));
+        // What rounding leaves is none.
+        let sound = |x: f64, of: f64| if x * of < ROUNDING * strongest { 0.0 } else { x };
+        let (dry, viscous) =
+            nearest(&all).map(|(dry, viscous)| (sound(dry, 1.0), sound(viscous, fastest)))?;
         let square = |x: f64| x * x;
         let size: f64 = all.iter().map(|(_, force)| square(*force)).sum();
         let off: f64 = all.iter().map(|(v, force)| square(force - dry * v.signum() - viscous * v)).sum();
         let missed = if size > 0.0 { (off / size).sqrt() } else { 0.0 };
-        let fastest = all.iter().fold(0.0_f64, |most, (v, _)| most.max(v.abs()));
         Some(JointFriction { dry, viscous, missed, fastest, depends_on })
     }
 }
