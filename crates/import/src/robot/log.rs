@@ -122,9 +122,10 @@ impl Robot {
         let (joint, motor, rest) = match named.max_by_key(|(length, _, motor, _)| (*length, !motor)) {
             Some((_, joint, motor, rest)) => (joint, motor, rest),
             None => {
-                let (number, rest) = number(heading)?;
+                let (number, rest) = joint_number(heading)?;
                 // Some count from zero.
-                let from_zero = table.columns.iter().any(|c| number(&c.heading).is_some_and(|n| n.0 == 0));
+                let from_zero =
+                    table.columns.iter().any(|c| joint_number(&c.heading).is_some_and(|n| n.0 == 0));
                 (number.checked_sub(usize::from(!from_zero))?, false, rest)
             }
         };
@@ -184,7 +185,7 @@ fn without(heading: &str, name: &str) -> Option<String> {
 }
 
 /// The number of a joint in a heading, and what stands before it. `position[1]` is no position in a unit.
-fn number(heading: &Heading) -> Option<(usize, String)> {
+fn joint_number(heading: &Heading) -> Option<(usize, String)> {
     numbered(&heading.name).or_else(|| numbered(&heading.raw.to_lowercase()))
 }
 
