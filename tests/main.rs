@@ -28,6 +28,7 @@ mod records;
 mod reference;
 mod report;
 mod results;
+mod robots;
 mod streams;
 mod structure;
 mod sweep;

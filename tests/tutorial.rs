@@ -119,7 +119,7 @@ fn typed(blocks: &[Block<'_>], folder: &Path, spec: &str) -> usize {
     for block in blocks {
         match (block.kind, block.file) {
             ("diff", _) => edit(&folder.join(spec), &block.lines),
-            ("ron", Some(file)) => {
+            ("ron" | "xml", Some(file)) => {
                 let path = folder.join(file);
                 std::fs::create_dir_all(path.parent().expect("a folder")).expect("a folder");
                 std::fs::write(path, block.lines.join("\n")).expect("a file");

@@ -167,7 +167,8 @@ Examples:
   phisindy new run1.csv                         what is in it, and a spec, on standard output
   phisindy new run1.csv --out run1.ron          the spec into a file, which must not exist yet
   phisindy new run1.csv --out run1.ron --force  the same in place of what is there
-  phisindy new acc.txt --rate 1000 --out a.ron  a file without times: 1000 rows per second",
+  phisindy new acc.txt --rate 1000 --out a.ron  a file without times: 1000 rows per second
+  phisindy new arm.urdf --data log.csv          a robot of URDF or MJCF: energies, and the columns of its joints",
         after_help = "\
 Guessed are the separator, the decimal mark, units in the headings (`x_mm`, `x [mm]`, `t/s`), which column is time, displacement, base motion or force, \
 rows to leave out, and numbers to start from. What the guess rests on stands in comments; what must be looked at is marked EDIT. At most one million \
@@ -226,7 +227,7 @@ Exit codes: 0 nothing is missing, or what is missing was found; 1 something is m
         #[arg(long, value_name = "LAW")]
         without: Vec<String>,
     },
-    /// Write an identified model so that it runs elsewhere: Python, C, Modelica, FMU, JSON
+    /// Write an identified model so that it runs elsewhere: Python, C, Modelica, FMU, URDF, MJCF, JSON
     #[command(
         display_order = 6,
         before_help = "\
@@ -238,6 +239,7 @@ Examples:
   phisindy export case7 --to c --out case7.c
   cc -O2 -std=c99 -DPHISINDY_MAIN case7.c -o case7m -lm
   phisindy export case7 --to fmu --out case7.fmu            for Simulink, Dymola, OpenModelica: FMI 3.0
+  phisindy export found --to mjcf --model arm.xml --out arm-found.xml   friction of the joints back into a robot
   phisindy export found/completed.ron --to json             what `gap` found, as data, on standard output",
         after_help = "\
 The file holds the rates as a plain function, its constants by name, and the rule that decides when a contact sticks; Python and C simulate too, with \
@@ -453,7 +455,7 @@ pub(crate) struct GoArgs {
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct NewArgs {
     /// Data file: text with any separator, a workbook, MATLAB, NumPy, TDMS, universal file, HDF5, Parquet; or several of
-    /// one rig
+    /// one rig. Or a robot, URDF or MJCF, whose log --data names
     #[arg(value_name = "DATA", required = true)]
     pub(crate) paths: Vec<PathBuf>,
     /// Sheet of a workbook, or variable, structure, group of another file
@@ -531,6 +533,9 @@ pub(crate) struct ExportArgs {
     /// Record whose start state and constants are written, by name or place [default: 0, the first one]
     #[arg(long, value_name = "NAME")]
     pub(crate) record: Option<String>,
+    /// Of urdf and mjcf: the file of the robot that `phisindy new` drafted the spec from
+    #[arg(long, value_name = "FILE")]
+    pub(crate) model: Option<PathBuf>,
 }
 
 /// A language to export to, by its name.
@@ -578,8 +583,8 @@ const TAKEN: &[(&str, &[&str])] = &[
     (
         "data",
         &[
-            "run", "gap", "go", "simulate", "check", "export", "sweep", "open", "verify", "compare", "next",
-            "lsp",
+            "run", "gap", "go", "new", "simulate", "check", "export", "sweep", "open", "verify", "compare",
+            "next", "lsp",
         ],
     ),
     (
@@ -666,7 +671,7 @@ pub(crate) struct Options {
     /// Use a folder of --out that holds other files too, which stay; `new`, `export`, `laws`: replace the file that is there
     #[arg(long, global = true)]
     pub(crate) force: bool,
-    /// Folder of the data files [else: PHISINDY_DATA, then beside the spec]
+    /// Folder of the data files [else: PHISINDY_DATA, then beside the spec]; `new ROBOT`: its log, a file
     #[arg(long, global = true, value_name = "DIR")]
     pub(crate) data: Option<PathBuf>,
     /// Folder of further laws

@@ -18,7 +18,7 @@ use phisindy_signal::{integral, moves_by_jumps, strongest_line, twice_integrated
 use std::ops::Range;
 
 /// Samples of a record beyond which a fit takes longer and hardly improves.
-const PLENTY: usize = 25_000;
+pub(crate) const PLENTY: usize = 25_000;
 /// Amplitude in radian beyond which an angle is not small.
 const LARGE_ANGLE: f64 = 0.5;
 /// Amplitude in radian from which an angle is that of a rotor, which no gravity pulls back.
@@ -483,7 +483,7 @@ const FAR: f64 = 10.0;
 
 /// Gives the columns the names that the user says, and leaves out those called `-`. They are still found in
 /// the file by their own.
-fn name_columns(table: &mut Table, names: &[String]) -> Result<(), (usize, usize)> {
+pub(crate) fn name_columns(table: &mut Table, names: &[String]) -> Result<(), (usize, usize)> {
     if names.is_empty() {
         return Ok(());
     }
@@ -506,7 +506,7 @@ fn name_columns(table: &mut Table, names: &[String]) -> Result<(), (usize, usize
 
 /// Writes into the headings which columns count, and what a count is if the user says it of this column. An
 /// encoder counts if it has no unit and whole numbers.
-fn counts(table: &mut Table, answers: &Answers) {
+pub(crate) fn counts(table: &mut Table, answers: &Answers) {
     for column in &mut table.columns {
         let encoder = column.heading.unit.is_none() && column.heading.has_word(ENCODERS) && is_whole(column);
         if is_counted(&column.heading) || encoder {
@@ -516,7 +516,7 @@ fn counts(table: &mut Table, answers: &Answers) {
 }
 
 /// Gives a column the unit of its counts, as far as it is said.
-fn count(column: &mut Column, unit: Option<&str>) {
+pub(crate) fn count(column: &mut Column, unit: Option<&str>) {
     let unit = unit.unwrap_or(COUNT);
     // `count/s` becomes `rev/4096/s`.
     let rest = column.heading.unit.as_deref().and_then(|own| own.strip_prefix(COUNT)).unwrap_or_default();
@@ -524,7 +524,7 @@ fn count(column: &mut Column, unit: Option<&str>) {
 }
 
 /// Whether a column is in counts, or in counts per second.
-fn is_counted(heading: &Heading) -> bool {
+pub(crate) fn is_counted(heading: &Heading) -> bool {
     heading
         .unit
         .as_deref()

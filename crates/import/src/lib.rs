@@ -29,6 +29,7 @@ mod records;
 mod refusal;
 mod remarks;
 mod rig;
+mod robot;
 mod roles;
 mod rows;
 mod selection;
@@ -49,6 +50,7 @@ pub use question::{Answers, CountUnit, Counted, OPEN_QUESTION, Question, rate, t
 pub use records::RecordDraft;
 pub use remarks::Remark;
 pub use rig::Rig;
+pub use robot::{Joint, Log as RobotLog, Motion as JointMotion, Refitted, Robot};
 pub use roles::{Doubt, Input, NoMotion, Roles, Selector};
 pub use rows::{record, table};
 pub use spec_text::{accepted, next_step, spec_text, spec_text_of, summary};

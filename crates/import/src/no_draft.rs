@@ -24,6 +24,8 @@ pub enum NoDraft {
         /// The first names.
         names: Vec<String>,
     },
+    /// No column is the place or the speed of one of these joints.
+    Joints(Vec<String>),
     /// So many names are said for so many columns.
     Columns((usize, usize)),
 }
@@ -65,6 +67,14 @@ impl NoDraft {
                 "a record needs a column of displacement or velocity; say which one in the heading, as in `x_mm` or `v [m/s]`",
             ),
             NoDraft::Text(mistake) => return mistake,
+            NoDraft::Joints(names) => (
+                format!(
+                    "no column is the place or the speed of a joint: {}",
+                    names.iter().take(8).map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
+                ),
+                "call them `NAME_position`, `NAME_velocity`, `NAME_effort` by the names of the joints, or number them as in \
+                 `q1`, `dq1`, `tau1`; or say so by `--columns t_s,q1_rad,tau1_Nm`, and `-` for one that is not used",
+            ),
             NoDraft::Columns((names, columns)) => (
                 format!("{names} names are said for {columns} columns"),
                 "give `--columns` a name for each column in order, as in `time_s,x_mm,F_N`, and `-` for one \

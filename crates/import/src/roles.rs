@@ -6,8 +6,10 @@ mod names;
 use crate::headings::{Quantity, VELOCITIES, factor};
 use crate::rig::Rig;
 pub(crate) use evidence::Evidence;
-use names::{ACCELERATIONS, ANGLES, BASES, DISPLACEMENTS, FORCES, OUTPUTS, TORQUES};
-pub(crate) use names::{COMMANDS, ENCODERS, LENGTHS, is_word_of_a_role};
+pub(crate) use names::{
+    ACCELERATIONS, COMMANDS, COPIES, DISPLACEMENTS, ENCODERS, FORCES, LENGTHS, TORQUES, is_word_of_a_role,
+};
+use names::{ANGLES, BASES, OUTPUTS};
 use std::fmt;
 
 /// The input of the model.

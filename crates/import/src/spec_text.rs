@@ -1,11 +1,11 @@
 //! The text of a draft: a spec with comments for its user.
 
-mod literals;
+pub(crate) mod literals;
 mod model;
 mod notation;
 mod overview;
 mod quarter_car;
-mod record;
+pub(crate) mod record;
 mod several_files;
 mod tester;
 

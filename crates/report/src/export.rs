@@ -11,6 +11,7 @@ mod fmu;
 mod functions;
 mod head;
 mod identifier;
+mod joint_friction;
 mod json;
 mod matlab;
 mod modelica;
@@ -19,6 +20,7 @@ mod quoted;
 mod subject;
 
 pub use fmu::Fmu;
+pub use joint_friction::{JointFriction, Moved};
 pub use subject::{Experiment, Subject, refusal, uses_largest_input};
 
 /// A language that models are exported to.
@@ -42,6 +44,8 @@ pub enum Writer {
     /// The files of a functional mock-up unit, which are compiled and packed by the caller. It tells
     /// [`Subject::experiment`] first.
     Fmu(fn(&Subject, &str) -> Fmu),
+    /// The file of a robot, which the caller has: it gets back the [`JointFriction`] of its joints.
+    Robot,
 }
 
 /// All languages; a new one is a new row.
@@ -76,6 +80,13 @@ pub const EXPORTERS: &[Exporter] = &[
         file: "model_mex.c",
         write: Writer::Text(matlab::written),
     },
+    Exporter {
+        name: "urdf",
+        about: "The robot that the model was drafted from, with the friction that was found",
+        file: "robot.urdf",
+        write: Writer::Robot,
+    },
+    Exporter { name: "mjcf", about: "The same for MuJoCo", file: "robot.xml", write: Writer::Robot },
     Exporter {
         name: "json",
         about: "The model as data",

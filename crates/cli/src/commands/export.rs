@@ -1,5 +1,7 @@
 //! `phisindy export`.
 
+mod robot;
+
 use crate::args::{ExportArgs, Options};
 use crate::terminal::{INPUT, print, remark};
 use crate::{draw, fmu, outdir};
@@ -19,6 +21,16 @@ pub(crate) fn export(args: &ExportArgs, options: &Options) -> Result<u8> {
         bail!(
             "an FMU is an archive, and no text for a terminal: say where it goes, as in --out {}",
             args.to.file
+        );
+    }
+    if let Writer::Robot = args.to.write {
+        return robot::export(&spec, args, options, file.as_deref());
+    }
+    if let Some(model) = &args.model {
+        bail!(
+            "`--model {}` means nothing to `--to {}`: it is of urdf and mjcf",
+            model.display(),
+            args.to.name
         );
     }
     let mut sources = Sources::default();
@@ -43,18 +55,20 @@ pub(crate) fn export(args: &ExportArgs, options: &Options) -> Result<u8> {
             }
             packed(&write(&subject, &name), options.quiet)?
         }
+        Writer::Robot => bail!("a robot is written above"),
     };
-    match file {
-        Some(file) => {
-            if let Some(folder) = file.parent().filter(|p| !p.as_os_str().is_empty()) {
-                std::fs::create_dir_all(folder)
-                    .with_context(|| format!("cannot make the folder `{}` of --out", folder.display()))?;
-            }
-            outdir::replace_file(&file, &written)?;
-        }
-        None => print(&String::from_utf8_lossy(&written))?,
-    }
+    put(file.as_deref(), &written)?;
     Ok(0)
+}
+
+/// Writes a model into its file, or else on standard output.
+fn put(file: Option<&Path>, written: &[u8]) -> Result<()> {
+    let Some(file) = file else { return print(&String::from_utf8_lossy(written)) };
+    if let Some(folder) = file.parent().filter(|p| !p.as_os_str().is_empty()) {
+        std::fs::create_dir_all(folder)
+            .with_context(|| format!("cannot make the folder `{}` of --out", folder.display()))?;
+    }
+    outdir::replace_file(file, written)
 }
 
 /// The archive of an FMU, with a binary where that can be compiled.

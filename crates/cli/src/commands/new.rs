@@ -1,4 +1,6 @@
-//! `phisindy new`: writes a commented spec for a data file.
+//! `phisindy new`: writes a commented spec for a data file, or for a robot of URDF or MJCF.
+
+mod robot;
 
 use crate::args::{NewArgs, Options};
 use crate::progress::Progress;
@@ -7,7 +9,7 @@ use crate::{draw, outdir};
 use anyhow::{Result, anyhow};
 use phisindy_expr::Span;
 use phisindy_import::{
-    Answers, DataFile, Draft, Question, accepted, next_step, spec_text_of, summary, table, unreadable,
+    Answers, DataFile, Draft, Question, Table, accepted, next_step, spec_text_of, summary, table, unreadable,
 };
 use phisindy_phys::{Diagnostic, SourceId, Sources, spec};
 use phisindy_report::{Look, sketch};
@@ -22,6 +24,14 @@ use std::path::{Path, PathBuf};
 /// The spec cannot be written.
 pub(crate) fn command(args: &NewArgs, options: &Options) -> Result<u8> {
     written(args, options, Purpose::Draft)
+}
+
+/// The text of a robot, if the file is of one.
+///
+/// # Errors
+/// As a robot it is too large, or no UTF-8.
+pub(crate) fn robot_text(path: &Path) -> Result<Option<String>> {
+    robot::text(path)
 }
 
 /// What a draft is written for.
@@ -55,10 +65,22 @@ pub(crate) fn written(args: &NewArgs, options: &Options, purpose: Purpose) -> Re
         }
         outdir::unless_there(out, options.force)?;
     }
+    if let [path] = args.paths.as_slice()
+        && let Some(text) = robot::text(path)?
+    {
+        return robot::written(&text, args, options, (purpose, out));
+    }
+    if let (Some(data), Purpose::Draft) = (&options.data, purpose) {
+        return Err(anyhow!(
+            "`--data {}` names the log of a robot, and `{}` is neither URDF nor MJCF: name the data file alone",
+            data.display(),
+            args.paths[0].display()
+        ));
+    }
     let files = names(&args.paths)?;
     let mut sources = Sources::default();
     let mut answers = args.said.answers();
-    let next = next_command(args, out);
+    let next = next_command(&args.paths[0], out);
     let (drafts, text) = loop {
         let each =
             args.paths.iter().map(|path| drafted(path, args, &answers, purpose, options.quiet, &mut sources));
@@ -81,7 +103,7 @@ pub(crate) fn written(args: &NewArgs, options: &Options, purpose: Purpose) -> Re
                 return Ok(INPUT);
             }
         };
-        if !asked(&drafts, &mut answers)? {
+        if !asked(drafts.iter().flat_map(|d| &d.questions), &mut answers)? {
             break (drafts, text);
         }
     };
@@ -95,23 +117,7 @@ pub(crate) fn written(args: &NewArgs, options: &Options, purpose: Purpose) -> Re
         return Ok(INPUT);
     }
     let (draft, file) = (&drafts[0], &files[0]);
-    let text = match phisindy::files::with_assignments(text, &options.sets, &mut sources) {
-        Ok(text) => text,
-        Err(d) => {
-            draw::show([&d], &sources);
-            return Ok(INPUT);
-        }
-    };
-    if let Err(why) = accepted(&text) {
-        return Err(match options.sets.is_empty() {
-            true => anyhow!("the spec for `{file}` would not be accepted ({why}): please report this"),
-            false => anyhow!("the spec for `{file}` would not be accepted after --set: {why}"),
-        });
-    }
-    match out {
-        Some(out) => outdir::replace_file(out, &text)?,
-        None => print(&text)?,
-    }
+    let Some(text) = put(text, file, options, (out, &mut sources))? else { return Ok(INPUT) };
     if !options.quiet {
         for (draft, file) in drafts.iter().zip(&files) {
             summary(draft, file).iter().for_each(|line| remark(line));
@@ -130,6 +136,33 @@ pub(crate) fn written(args: &NewArgs, options: &Options, purpose: Purpose) -> Re
         remark(&format!("    phisindy {} {next}", next_step(draft)));
     }
     Ok(0)
+}
+
+/// Writes the text of a spec for a file, changed as `--set` says, and returns it; nothing after a mistake that is shown.
+fn put(
+    text: String,
+    file: &str,
+    options: &Options,
+    (out, sources): (Option<&Path>, &mut Sources),
+) -> Result<Option<String>> {
+    let text = match phisindy::files::with_assignments(text, &options.sets, sources) {
+        Ok(text) => text,
+        Err(d) => {
+            draw::show([&d], sources);
+            return Ok(None);
+        }
+    };
+    if let Err(why) = accepted(&text) {
+        return Err(match options.sets.is_empty() {
+            true => anyhow!("the spec for `{file}` would not be accepted ({why}): please report this"),
+            false => anyhow!("the spec for `{file}` would not be accepted after --set: {why}"),
+        });
+    }
+    match out {
+        Some(out) => outdir::replace_file(out, &text)?,
+        None => print(&text)?,
+    }
+    Ok(Some(text))
 }
 
 /// The model of a spec as lines.
@@ -167,8 +200,8 @@ fn names(paths: &[PathBuf]) -> Result<Vec<String>> {
 
 /// Asks the first open question where somebody can answer, and adds the answer; returns whether there is a new one. An
 /// empty line leaves it open.
-fn asked(drafts: &[Draft], answers: &mut Answers) -> Result<bool> {
-    let Some(question) = drafts.iter().flat_map(|d| &d.questions).next() else { return Ok(false) };
+fn asked<'q>(mut questions: impl Iterator<Item = &'q Question>, answers: &mut Answers) -> Result<bool> {
+    let Some(question) = questions.next() else { return Ok(false) };
     if !(io::stdin().is_terminal() && io::stderr().is_terminal()) {
         return Ok(false);
     }
@@ -197,18 +230,35 @@ fn drafted(
     quiet: bool,
     sources: &mut Sources,
 ) -> Result<Draft, Box<Diagnostic>> {
-    let name = path.display().to_string();
-    let command = if purpose == Purpose::Draft { "new" } else { "go" };
-    let words = format!("phisindy {command} {name}");
-    let at = (sources.add("command line", words.clone()), Span::new(words.len() - name.len(), words.len()));
+    let (name, at) = named(path, purpose, sources);
     let progress = RefCell::new(Progress::new("reading", quiet));
-    let opened = phisindy::files::open_plain_file(path).and_then(|file| Ok((file.metadata()?.len(), file)));
-    let (size, file) = opened.map_err(|e| Box::new(unreadable(&name, at, &e)))?;
-    let bytes = Told { bytes: file, read: 0, size, progress: &progress };
-    let table = table(DataFile::new(&name, bytes, size), args.sheet.as_deref(), at, sources)?;
+    let table = tabled((&name, at), args, &progress, sources)?;
     progress.borrow_mut().doing("looking at the columns");
     let tell = |done: f64| progress.borrow_mut().at(READING + (1.0 - READING) * done);
     Draft::with_answers(table, answers, &tell).map_err(|why| why.diagnostic(&name, at))
+}
+
+/// A file as the user named it, for messages: its name, and where that stands.
+fn named(path: &Path, purpose: Purpose, sources: &mut Sources) -> (String, (SourceId, Span)) {
+    let name = path.display().to_string();
+    let command = if purpose == Purpose::Draft { "new" } else { "go" };
+    let words = format!("phisindy {command} {name}");
+    let span = Span::new(words.len() - name.len(), words.len());
+    (name, (sources.add("command line", words), span))
+}
+
+/// The table of a data file.
+fn tabled(
+    (name, at): (&str, (SourceId, Span)),
+    args: &NewArgs,
+    progress: &RefCell<Progress>,
+    sources: &mut Sources,
+) -> Result<Table, Box<Diagnostic>> {
+    let opened =
+        phisindy::files::open_plain_file(Path::new(name)).and_then(|file| Ok((file.metadata()?.len(), file)));
+    let (size, file) = opened.map_err(|e| Box::new(unreadable(name, at, &e)))?;
+    let bytes = Told { bytes: file, read: 0, size, progress };
+    table(DataFile::new(name, bytes, size), args.sheet.as_deref(), at, sources)
 }
 
 /// The part of the work that is reading, as far as a bar needs it.
@@ -239,12 +289,11 @@ impl Seek for Told<'_> {
 }
 
 /// The arguments of the next command.
-fn next_command(args: &NewArgs, out: Option<&Path>) -> String {
+fn next_command(first: &Path, out: Option<&Path>) -> String {
     let folder = |path: &Path| match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent.to_owned(),
         _ => PathBuf::from("."),
     };
-    let first = &args.paths[0];
     let spec = out.map_or_else(
         || Path::new(first.file_name().unwrap_or_default()).with_extension("ron"),
         Path::to_owned,

@@ -9,7 +9,7 @@ pub(crate) fn is_word_of_a_role(heading: &Heading) -> bool {
 }
 
 /// Words for a displacement or an angle.
-pub(super) const DISPLACEMENTS: &[&str] = &[
+pub(crate) const DISPLACEMENTS: &[&str] = &[
     "x",
     "y",
     "z",
@@ -83,7 +83,7 @@ pub(super) const BASES: &[&str] = &[
     "erregung",
 ];
 /// Words for a copy of another column: simulated, filtered, fitted.
-pub(super) const COPIES: &[&str] = &[
+pub(crate) const COPIES: &[&str] = &[
     "true",
     "truth",
     "exact",
@@ -108,7 +108,7 @@ pub(super) const COPIES: &[&str] = &[
 pub(crate) const COMMANDS: &[&str] =
     &["ref", "reference", "goal", "target", "set", "setpoint", "desired", "cmd", "command", "soll", "demand"];
 /// Words for an acceleration.
-pub(super) const ACCELERATIONS: &[&str] = &[
+pub(crate) const ACCELERATIONS: &[&str] = &[
     "a",
     "acc",
     "accel",
@@ -143,12 +143,12 @@ pub(crate) const LENGTHS: &[&str] = &[
     "verschiebung",
 ];
 /// Words for a torque, which acts on an angle.
-pub(super) const TORQUES: &[&str] = &["torque", "moment", "tau", "drehmoment"];
+pub(crate) const TORQUES: &[&str] = &["torque", "moment", "tau", "drehmoment"];
 /// Words for an angle.
 pub(super) const ANGLES: &[&str] =
     &["theta", "phi", "angle", "alpha", "winkel", "drehwinkel", "thetadot", "omega"];
 /// Words for a force or a drive.
-pub(super) const FORCES: &[&str] = &[
+pub(crate) const FORCES: &[&str] = &[
     "f",
     "force",
     "kraft",

@@ -3,7 +3,7 @@
 pub(crate) use phisindy_phys::splice::quoted;
 
 /// Four significant digits, for comments.
-pub(super) fn four_digits(x: f64) -> String {
+pub(crate) fn four_digits(x: f64) -> String {
     let size = x.abs();
     match () {
         () if x == 0.0 => "0".to_owned(),
@@ -21,7 +21,7 @@ pub(super) fn four_digits(x: f64) -> String {
 }
 
 /// Three significant digits: a start value is not more accurate.
-pub(super) fn three_digits(x: f64) -> f64 {
+pub(crate) fn three_digits(x: f64) -> f64 {
     format!("{x:.2e}").parse().unwrap_or(x)
 }
 

@@ -5,6 +5,8 @@ use super::notation::Notation;
 use crate::draft::Draft;
 use crate::records::RecordDraft;
 use crate::roles::Input;
+use crate::table::Table;
+use crate::time_column::TimeColumn;
 use phisindy_phys::unit::Unit;
 use std::fmt::Write;
 
@@ -18,7 +20,7 @@ pub(super) fn record(
     text: &mut String,
 ) {
     let (path, name) = (quoted(file), quoted(name));
-    let (time, remark) = time(draft);
+    let (time, remark) = time(&draft.time, &draft.table);
     let form = if draft.table.is_text { "Csv" } else { "Table" };
     let columns = columns(draft, notation).join(", ");
     let form_of_columns = if draft.merged.is_some() { "streams" } else { "columns" };
@@ -87,8 +89,8 @@ pub(super) fn record(
 }
 
 /// A heading with its unit.
-fn column(draft: &Draft, c: usize) -> String {
-    let heading = &draft.table.columns[c].heading;
+pub(crate) fn column(table: &Table, c: usize) -> String {
+    let heading = &table.columns[c].heading;
     match &heading.unit {
         Some(unit) => format!("({}, \"{unit}\")", quoted(&heading.raw)),
         None => quoted(&heading.raw),
@@ -96,8 +98,7 @@ fn column(draft: &Draft, c: usize) -> String {
 }
 
 /// The time column, and a comment on what to check there.
-fn time(draft: &Draft) -> (String, String) {
-    let time = &draft.time;
+pub(crate) fn time(time: &TimeColumn, table: &Table) -> (String, String) {
     if time.counted {
         let remark = match (&time.coarse, &time.stated) {
             _ if time.told => "",
@@ -108,7 +109,7 @@ fn time(draft: &Draft) -> (String, String) {
         };
         return (format!("Rate({:?})", time.rate), remark.to_owned());
     }
-    let unit = draft.table.columns[time.column].heading.unit.as_deref();
+    let unit = table.columns[time.column].heading.unit.as_deref();
     let remark = match (time.guessed, unit) {
         (true, unit) => {
             let unit = unit.unwrap_or("s");
@@ -120,15 +121,15 @@ fn time(draft: &Draft) -> (String, String) {
         (false, Some(_)) if time.unit_guessed => " // EDIT: the unit of time is a guess".to_owned(),
         (false, Some(_)) => String::new(),
     };
-    (column(draft, time.column), remark)
+    (column(table, time.column), remark)
 }
 
 /// The states and inputs that have a column.
 fn columns(draft: &Draft, notation: &Notation) -> Vec<String> {
     let roles = &draft.roles;
     let named = |name: &str, c: usize| match draft.merged {
-        Some(_) => format!("\"{name}\": (column: {})", column(draft, c)),
-        None => format!("\"{name}\": {}", column(draft, c)),
+        Some(_) => format!("\"{name}\": (column: {})", column(&draft.table, c)),
+        None => format!("\"{name}\": {}", column(&draft.table, c)),
     };
     let quarter_car = super::quarter_car::is_one(draft);
     let own = if quarter_car { "x1" } else { notation.displacement };

@@ -173,6 +173,9 @@ pub struct System {
     pub momenta: Vec<(usize, Id, Id)>,
     /// What closes loops of a mechanism, in the order of the spec.
     pub constraints: Vec<Constraint>,
+    /// Of `energy` each speed with the force along it that is neither of inertia, potential nor an input: friction
+    /// above all.
+    pub undriven: Vec<(usize, Id)>,
     /// The dictionary, in the order of the spec.
     pub terms: Vec<Term>,
     /// What may move, in the order of the spec.

@@ -30,6 +30,8 @@ pub(crate) struct Energies {
     /// What is zero, of coordinates and time.
     pub(crate) constraints: Vec<Id>,
     pub(crate) time: Id,
+    /// A force that depends on one of them drives.
+    pub(crate) inputs: Vec<Id>,
 }
 
 /// The equations of motion.
@@ -38,6 +40,8 @@ pub(crate) struct Equations {
     pub(crate) rates: Vec<Id>,
     /// The momentum of each coordinate, and what changes it in a second.
     pub(crate) momenta: Vec<(Id, Id)>,
+    /// Of these the dissipation and the forces that nobody drives: friction above all.
+    pub(crate) undriven: Vec<Id>,
     /// The rates that a unit force along each speed makes: the columns of the inverse of `M`.
     pub(crate) mobility: Vec<Vec<Id>>,
     /// The pivots of `M`: all are positive where the kinetic energy is.
@@ -77,14 +81,19 @@ impl Energies {
         let by_place = graph.gradient(self.kinetic, &q);
         let [potential, dissipation] =
             [(self.potential, &q), (self.dissipation, &v)].map(|(of, by)| graph.gradient(of, by));
-        let (mut force, mut balances) = (Vec::with_capacity(n), Vec::with_capacity(n));
+        let driven: Vec<bool> = self.forces.iter().map(|&(of, _)| graph.uses(&[of], &self.inputs)).collect();
+        let (mut force, mut balances, mut undriven) =
+            (Vec::with_capacity(n), Vec::with_capacity(n), Vec::with_capacity(n));
         for i in 0..n {
             let mut sum = graph.sub(by_place[i], potential[i]);
             sum = graph.sub(sum, dissipation[i]);
-            for (of, direction) in &self.forces {
+            let mut own = graph.neg(dissipation[i]);
+            for ((of, direction), driven) in self.forces.iter().zip(&driven) {
                 let part = graph.mul(*of, direction[i]);
                 sum = graph.add(sum, part);
+                own = if *driven { own } else { graph.add(own, part) };
             }
+            undriven.push(own);
             balances.push((momenta[i], sum));
             // The momentum changes with the place, and with the time.
             let along: Vec<Id> = q.iter().copied().chain([self.time]).collect();
@@ -102,7 +111,8 @@ impl Energies {
         let rates = loops.held(graph, &rates, true);
         let mobility = mobility.iter().map(|column| loops.held(graph, column, false)).collect();
         let Loops { rates: constraint_rates, .. } = loops;
-        Ok(Equations { rates, momenta: balances, mobility, pivots: factored.pivots, constraint_rates })
+        let pivots = factored.pivots;
+        Ok(Equations { rates, momenta: balances, undriven, mobility, pivots, constraint_rates })
     }
 }
 

@@ -16,6 +16,8 @@ pub(super) struct Mechanism {
     pub(super) rates: Vec<(usize, Id)>,
     /// Each speed with the momentum of its coordinate, and what changes that in a second.
     pub(super) momenta: Vec<(usize, Id, Id)>,
+    /// Each speed with the part of that which nobody drives: friction above all.
+    pub(super) undriven: Vec<(usize, Id)>,
     /// Each speed with the inertia that a force along it feels where all else follows.
     pub(super) inertia: Vec<(usize, Id)>,
     /// A speed, another one, and the rate of the latter for a rate of 1 that a force along the former makes.
@@ -214,6 +216,7 @@ impl Checker {
             forces,
             constraints,
             time,
+            inputs,
         })
     }
 
@@ -223,6 +226,7 @@ impl Checker {
             all.rates.push((speed, equations.rates[i]));
             let (momentum, force) = equations.momenta[i];
             all.momenta.push((speed, momentum, force));
+            all.undriven.push((speed, equations.undriven[i]));
         }
         let speeds: Vec<usize> = places.iter().map(|&(_, speed)| speed).collect();
         self.follow(&equations.mobility, &speeds, !equations.constraint_rates.is_empty(), &mut all);

@@ -123,6 +123,7 @@ impl Checker {
             coupling: mechanism.coupling,
             momenta: mechanism.momenta,
             constraints: mechanism.constraints,
+            undriven: mechanism.undriven,
             terms,
             parameters,
             record_constants: self.constants.of_records(),
