@@ -194,7 +194,7 @@ fn mistakes_of_robots_have_their_places() {
             "<joint name=\"elbow\"",
             "<joint type=\"ball\" name=\"elbow\"",
             "`elbow` is a ball joint",
-            "<joint type=\"ball\" name=\"elbow\" class=\"main\" damping=\"0.02\"/>",
+            "<joint type=\"ball\" name=\"elbow\" class=\"main\" damping=\"0.15\"/>",
         ),
         (
             &mjcf,

@@ -232,7 +232,7 @@ fn drafted(
 ) -> Result<Draft, Box<Diagnostic>> {
     let (name, at) = named(path, purpose, sources);
     let progress = RefCell::new(Progress::new("reading", quiet));
-    let table = tabled((&name, at), args, &progress, sources)?;
+    let table = tabled(path, (&name, at), args, &progress, sources)?;
     progress.borrow_mut().doing("looking at the columns");
     let tell = |done: f64| progress.borrow_mut().at(READING + (1.0 - READING) * done);
     Draft::with_answers(table, answers, &tell).map_err(|why| why.diagnostic(&name, at))
@@ -249,13 +249,13 @@ fn named(path: &Path, purpose: Purpose, sources: &mut Sources) -> (String, (Sour
 
 /// The table of a data file.
 fn tabled(
+    path: &Path,
     (name, at): (&str, (SourceId, Span)),
     args: &NewArgs,
     progress: &RefCell<Progress>,
     sources: &mut Sources,
 ) -> Result<Table, Box<Diagnostic>> {
-    let opened =
-        phisindy::files::open_plain_file(Path::new(name)).and_then(|file| Ok((file.metadata()?.len(), file)));
+    let opened = phisindy::files::open_plain_file(path).and_then(|file| Ok((file.metadata()?.len(), file)));
     let (size, file) = opened.map_err(|e| Box::new(unreadable(name, at, &e)))?;
     let bytes = Told { bytes: file, read: 0, size, progress };
     table(DataFile::new(name, bytes, size), args.sheet.as_deref(), at, sources)

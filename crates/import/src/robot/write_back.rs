@@ -103,7 +103,7 @@ fn set(element: Element<'_>, attribute: &str, number: f64, edits: &mut Edits) {
         None => {
             // Behind the last attribute, or else the name of the tag.
             let name = element.node.range().start + 1 + element.node.tag_name().name().len();
-            let at = element.node.attributes().last().map_or(name, |a| a.range().end);
+            let at = element.node.attributes().next_back().map_or(name, |a| a.range().end);
             edits.push((at..at, format!(" {attribute}=\"{number}\"")));
         }
     }

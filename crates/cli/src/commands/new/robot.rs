@@ -79,7 +79,7 @@ pub(super) fn written(
         let name = names(std::slice::from_ref(data))?.remove(0);
         let (shown, at) = named(data, purpose, &mut sources);
         let progress = RefCell::new(Progress::new("reading", options.quiet));
-        let table = tabled((&shown, at), args, &progress, &mut sources);
+        let table = tabled(data, (&shown, at), args, &progress, &mut sources);
         let log = table.and_then(|table| {
             RobotLog::of(table, &robot, &answers).map_err(|why| why.diagnostic(&shown, at))
         });
