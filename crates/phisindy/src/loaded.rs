@@ -7,7 +7,7 @@ use phisindy_gap::{
     written_out,
 };
 use phisindy_phys::spec::Spec;
-use phisindy_phys::{Case, Diagnostic, LawEntry, Origin, Record, RecordPlan, Requirement, SourceId, Sources};
+use phisindy_phys::{Case, Diagnostic, Files, LawEntry, Origin, Record, RecordPlan, Requirement, SourceId, Sources};
 use phisindy_report::Input;
 use phisindy_sim::Trajectory;
 use std::ops::ControlFlow;
@@ -76,7 +76,7 @@ impl Loaded {
         let WithFormulas { text, records, without } = found.map_err(GapError::Numerics)?;
         let source = sources.add(format!("{} (with its formulas)", self.spec), text.clone());
         let (parsed, mut case, _) =
-            checked(&text, source).map_err(|mistakes| SpecError::new(mistakes, sources.clone()))?;
+            checked(&text, source, &self.parsed.files).map_err(|mistakes| SpecError::new(mistakes, sources.clone()))?;
         let Case { laws, searches, requirements, system, without_laws, .. } = self.case.clone();
         let without_laws = without_laws.or_else(|| Some(Arc::new(system)));
         // The model with its formulas has a graph of its own.
@@ -133,8 +133,9 @@ pub fn record_named<'a>(
 pub(crate) fn checked(
     text: &str,
     source: SourceId,
+    files: &Files,
 ) -> Result<(Spec, Case, Vec<Diagnostic>), Vec<Diagnostic>> {
-    let (spec, mut warnings) = phisindy_phys::spec::read(text, source)?;
+    let (spec, mut warnings) = phisindy_phys::spec::read_with_files(text, source, files)?;
     match phisindy_phys::check(&spec, source) {
         Ok((case, more)) => {
             warnings.extend(more);
@@ -185,7 +186,7 @@ impl Laws {
             NotWritten
         })?;
         let source = sources.add(format!("{} (its laws written out)", loaded.spec), draft.text.clone());
-        let (parsed, mut case, warnings) = checked(&draft.text, source).map_err(|mistakes| {
+        let (parsed, mut case, warnings) = checked(&draft.text, source, &loaded.parsed.files).map_err(|mistakes| {
             found.extend(mistakes);
             NotWritten
         })?;

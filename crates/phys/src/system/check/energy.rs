@@ -2,6 +2,7 @@
 
 use super::checker::Checker;
 use crate::system::lagrange::{Energies, Equations, NoEquations, mobility};
+use crate::system::equations::Point;
 use crate::text::spec::{EnergySpec, Spec, Text};
 use phisindy_expr::{Id, Scratch, Tape};
 
@@ -16,6 +17,8 @@ pub(super) struct Mechanism {
     pub(super) inertia: Vec<(usize, Id)>,
     /// A speed, another one, and the rate of the latter for a rate of 1 that a force along the former makes.
     pub(super) coupling: Vec<(usize, usize, Id)>,
+    /// The points of a structure.
+    pub(super) points: Vec<Point>,
 }
 
 impl Checker {

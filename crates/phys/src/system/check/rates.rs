@@ -23,7 +23,7 @@ impl Checker {
                 factor,
                 node,
                 velocity: None,
-                of_sensor: false,
+                hidden: false,
                 memory: None,
             });
         }
@@ -75,6 +75,8 @@ impl Checker {
         });
         let nodes: Vec<Id> = states.iter().map(|s| s.node).collect();
         let mechanism = self.mechanism(spec, &allowed, &nodes, time);
+        let mut mechanism = mechanism;
+        self.structure(spec, &allowed, &mut states, &mut mechanism);
         mechanism.rates.iter().for_each(|&(k, rate)| known[k] = rate);
         let moves = |name: &str| spec.is_moved(name) || spec.known.iter().any(|(k, _)| k.value == name);
         for (name, _) in spec.states.iter().filter(|(n, _)| !moves(&n.value)) {
@@ -89,7 +91,6 @@ impl Checker {
                 checker.error(message, text.span, "").help.push("a force over it is an acceleration".into());
             }
         });
-        let mut mechanism = mechanism;
         self.inertia_matrix(spec, &allowed, &inertia, &mut mechanism);
         mechanism.inertia.iter().for_each(|&(k, own)| inertia[k] = Some(own));
         for k in 0..states.len() {
@@ -128,6 +129,9 @@ impl Checker {
             constants: self.constants.fixed(),
             contacts,
             places,
+            points: mechanism.points,
+            tables: self.tables.clone(),
+            files: spec.files.clone(),
         };
         self.filters(spec, &mut system);
         system

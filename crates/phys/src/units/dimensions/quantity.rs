@@ -77,6 +77,8 @@ pub(super) enum Conflict {
     Operands { op: Binary, left: (Span, Form), right: (Span, Form) },
     /// The argument of a function that takes a plain number.
     Argument { op: Unary, span: Span, form: Form },
+    /// The argument of a table is no number of its first column.
+    Table { span: Span, due: Form, form: Form },
     /// An exponent is no plain number.
     Exponent { span: Span, form: Form },
     /// What is raised to a power that varies is no plain number.
@@ -87,6 +89,7 @@ pub(super) enum Conflict {
 pub(super) fn infer(
     ast: &Ast,
     names: impl Fn(&str) -> Option<Quantity>,
+    tables: impl Fn(&str) -> [Measure; 2],
     unknowns: &mut Unknowns,
     conflicts: &mut Vec<Conflict>,
 ) -> Quantity {
@@ -110,6 +113,16 @@ pub(super) fn infer(
                     constant: a.constant,
                     measure: rules.unary(*op, span, a.measure),
                 }
+            }
+            AstKind::Table { path: (path, _), of, .. } => {
+                let (span, of) = taken(*of);
+                let [due, value] = tables(path);
+                if let (Measure::Fixed(due), Measure::Fixed(form)) = (due, of.measure)
+                    && !rules.unknowns.equate(&due, &form)
+                {
+                    rules.conflicts.push(Conflict::Table { span, due, form });
+                }
+                Quantity { constant: of.constant, ..Quantity::varying(value) }
             }
             AstKind::Binary(op, a, b) => {
                 let (a, b) = (taken(*a), taken(*b));
