@@ -120,7 +120,9 @@ impl fmt::Display for ParseError {
                 write!(f, "`{name}` takes {due} argument{}, not {given}", if *due == 1 { "" } else { "s" })
             }
             ExpectedName(word) => write!(f, "`{word}` takes one name"),
-            Table => write!(f, "`table` takes a file in quotes, an argument, and perhaps `linear` or `cubic`"),
+            Table => {
+                write!(f, "`table` takes a file in quotes, an argument, and perhaps `linear` or `cubic`")
+            }
             NumberTooLarge => write!(f, "this number is too large"),
             TooDeep => write!(f, "nested more than {MAX_DEPTH} levels deep"),
             TooLong => write!(f, "the expression has more than {MAX_TOKENS} tokens"),

@@ -58,7 +58,9 @@ pub fn numbers(
                 all.columns = row.len();
                 all.values.extend(row.into_iter().flatten());
             }
-            None => return Err(wrong(format!("{} numbers, and the first row has {}", row.len(), all.columns))),
+            None => {
+                return Err(wrong(format!("{} numbers, and the first row has {}", row.len(), all.columns)));
+            }
             Some(_) if first && all.headings.is_empty() => {
                 let heading = |cell: &String| {
                     let heading = Heading::parse(cell);
@@ -88,8 +90,11 @@ struct Wrong {
 impl Wrong {
     fn diagnostic(&self, name: &str, (source, span): (SourceId, Span)) -> Box<Diagnostic> {
         let Wrong { line, what } = self;
-        let d = Diagnostic::error(format!("`{name}`, line {line}: {what}")).at(source, span, "asked for here");
-        Box::new(d.help("a matrix is one row of numbers on each line, or Matrix Market; a table has two columns"))
+        let d =
+            Diagnostic::error(format!("`{name}`, line {line}: {what}")).at(source, span, "asked for here");
+        Box::new(
+            d.help("a matrix is one row of numbers on each line, or Matrix Market; a table has two columns"),
+        )
     }
 }
 
@@ -103,7 +108,9 @@ fn unread(name: &str, at: (SourceId, Span), error: &LineError) -> Box<Diagnostic
         LineError::NotText(_, line) | LineError::TooLong(line) => {
             *Wrong { line: *line, what: "no text, nor a format that is known".into() }.diagnostic(name, at)
         }
-        LineError::Changed => *Wrong { line: 1, what: "the file changed while it was read".into() }.diagnostic(name, at),
+        LineError::Changed => {
+            *Wrong { line: 1, what: "the file changed while it was read".into() }.diagnostic(name, at)
+        }
     })
 }
 
@@ -140,12 +147,16 @@ fn market(text: &str) -> Result<Numbers, Wrong> {
         return Err(wrong(1, "only general and symmetric matrices are read"));
     }
     let mut rows = lines.filter(|(_, line)| !line.is_empty() && !line.starts_with('%'));
-    let sizes = rows.next().map(|(line, text)| (line, text.split_whitespace().map(str::parse).collect::<Result<Vec<usize>, _>>()));
+    let sizes = rows.next().map(|(line, text)| {
+        (line, text.split_whitespace().map(str::parse).collect::<Result<Vec<usize>, _>>())
+    });
     let (coordinate, symmetric) = (form == "coordinate", symmetry == "symmetric");
     let (r, c, entries) = match sizes {
         Some((_, Ok(sizes))) if coordinate && sizes.len() == 3 => (sizes[0], sizes[1], sizes[2]),
         Some((_, Ok(sizes))) if form == "array" && sizes.len() == 2 => (sizes[0], sizes[1], 0),
-        Some((line, _)) => return Err(wrong(line, "this line holds the numbers of rows, columns and entries")),
+        Some((line, _)) => {
+            return Err(wrong(line, "this line holds the numbers of rows, columns and entries"));
+        }
         None => return Err(wrong(1, "nothing follows the head")),
     };
     if r == 0 || c == 0 || r > MOST_ROWS || c > MOST_ROWS || (symmetric && r != c) {
@@ -159,10 +170,14 @@ fn market(text: &str) -> Result<Numbers, Wrong> {
         let words: Vec<&str> = text.split_whitespace().collect();
         let (row, column, value) = match (coordinate, &words[..]) {
             (true, &[row, column, value]) => {
-                let place = |word: &str, most: usize| word.parse().ok().filter(|k| (1..=most).contains(k)).map(|k: usize| k - 1);
+                let place = |word: &str, most: usize| {
+                    word.parse().ok().filter(|k| (1..=most).contains(k)).map(|k: usize| k - 1)
+                };
                 match (place(row, r), place(column, c)) {
                     (Some(row), Some(column)) => (row, column, value),
-                    _ => return Err(wrong(line, &format!("there is no entry ({row}, {column}) in {r} x {c}"))),
+                    _ => {
+                        return Err(wrong(line, &format!("there is no entry ({row}, {column}) in {r} x {c}")));
+                    }
                 }
             }
             (false, &[value]) if j < c => {
@@ -187,7 +202,13 @@ fn market(text: &str) -> Result<Numbers, Wrong> {
         }
         count += 1;
     }
-    let due = if coordinate { entries } else if symmetric { r * (r + 1) / 2 } else { r * c };
+    let due = if coordinate {
+        entries
+    } else if symmetric {
+        r * (r + 1) / 2
+    } else {
+        r * c
+    };
     match count == due {
         true => Ok(Numbers { columns: c, values, headings: vec![] }),
         false => Err(wrong(text.lines().count(), &format!("{count} entries, and the head says {due}"))),
@@ -223,8 +244,14 @@ mod tests {
     fn what_is_wrong_is_told_with_its_line() {
         for (text, due) in [
             ("%%MatrixMarket matrix coordinate complex general\n", "line 1: only real"),
-            ("%%MatrixMarket matrix coordinate real general\n2 2 1\n3 1 4\n", "line 3: there is no entry (3, 1)"),
-            ("%%MatrixMarket matrix coordinate real general\n2 2 2\n1 1 4\n", "1 entries, and the head says 2"),
+            (
+                "%%MatrixMarket matrix coordinate real general\n2 2 1\n3 1 4\n",
+                "line 3: there is no entry (3, 1)",
+            ),
+            (
+                "%%MatrixMarket matrix coordinate real general\n2 2 2\n1 1 4\n",
+                "1 entries, and the head says 2",
+            ),
             ("%%MatrixMarket matrix array real general\n2 2\n1\n2\nx\n4\n", "line 5: `x` is no number"),
             ("1 2\n3 4 5\n", "line 2: 3 numbers"),
             ("x,y\n1,2\n3,a\n", "line 3: `a` is no number"),

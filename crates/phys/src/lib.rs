@@ -34,7 +34,9 @@ pub use law::{
 pub use suspicion::{Suspicion, Wrap, clipped, suspicions, wraps};
 pub use system::check::{Case, check, check_names, takes_units};
 pub use system::constants::Value;
-pub use system::equations::{Contact, Input, NamedPlace, Output, Parameter, Point, State, System, TableRead, Term};
+pub use system::equations::{
+    Contact, Input, NamedPlace, Output, Parameter, Point, State, System, TableRead, Term,
+};
 pub use system::filter::{Filter, FilterKind, NotLinear};
 pub use system::model::Model;
 pub use system::note::Note;

@@ -98,7 +98,9 @@ impl Writer {
             let balance = self.right_side(system, state, force, terms, true);
             let (_, right) = balance.latex.split_once(" = ").unwrap_or(("", &balance.latex));
             let (of, name) = (latex_name(of), latex_name(name));
-            let latex = format!("\\left(M\\,\\ddot{{{of}}} + C\\,\\dot{{{of}}} + K\\,{of}\\right)_{{{name}}} = {right}");
+            let latex = format!(
+                "\\left(M\\,\\ddot{{{of}}} + C\\,\\dot{{{of}}} + K\\,{of}\\right)_{{{name}}} = {right}"
+            );
             return Equation { latex, ..rate };
         }
         let momentum = self.filled(momentum);

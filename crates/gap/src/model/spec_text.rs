@@ -63,7 +63,8 @@ pub(crate) fn text_with(
         contacts: spec.contacts.iter().map(|c| c.value.clone()).collect(),
         forces: {
             let of_energy = spec.energy.iter().flat_map(|e| &e.forces).map(|force| ("energy", force));
-            let of_structure = spec.structure.iter().flat_map(|s| &s.forces).map(|force| ("structure", force));
+            let of_structure =
+                spec.structure.iter().flat_map(|s| &s.forces).map(|force| ("structure", force));
             let text = |(field, (force, along)): (&'static str, &(_, _))| -> (&'static str, String, String) {
                 let of = |text: &phisindy_phys::spec::Text| text.value.clone();
                 (field, of(force), of(along))

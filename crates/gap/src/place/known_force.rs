@@ -23,7 +23,9 @@ pub(crate) fn known_forces(system: &System, place: &Place) -> Vec<String> {
         let point = system.points.iter().any(|point| point.speed == state);
         let own = system.momenta.iter().find(|(speed, ..)| point && *speed == state);
         if let Some(&(.., sum)) = own {
-            for term in terms(&system.graph, sum).into_iter().filter(|&term| system.graph.uses(&[term], &varies)) {
+            for term in
+                terms(&system.graph, sum).into_iter().filter(|&term| system.graph.uses(&[term], &varies))
+            {
                 all.push(system.graph.text(term, &system.names));
             }
             continue;

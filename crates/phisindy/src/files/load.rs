@@ -115,15 +115,8 @@ pub fn load_text(
         found.extend(mistakes);
         Refusal::Input
     })?;
-    let mut loader = Loader {
-        request,
-        source,
-        folders,
-        sources,
-        found,
-        trends: Trends::default(),
-        suspected: vec![],
-    };
+    let mut loader =
+        Loader { request, source, folders, sources, found, trends: Trends::default(), suspected: vec![] };
     let (records, truths) = loader.records(&case, purpose)?;
     let given = text.clone();
     let loaded = Loaded { spec: shown, given, text, parsed, case, records, truths, doubts: vec![] };

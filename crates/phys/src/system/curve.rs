@@ -45,7 +45,9 @@ impl fmt::Display for NoCurve {
             NoCurve::Order(row, x) => {
                 write!(f, "the first column of a table goes up or down throughout, and row {row} has {x}")
             }
-            NoCurve::Unit(unit) => write!(f, "the heading of this table has the unit `{unit}`, which is not known"),
+            NoCurve::Unit(unit) => {
+                write!(f, "the heading of this table has the unit `{unit}`, which is not known")
+            }
         }
     }
 }
@@ -54,9 +56,12 @@ impl System {
     /// What of a record lies beyond the points of a table, in words, as far as its columns tell.
     pub fn beyond_tables(&self, record: &Record) -> Vec<String> {
         let measured = |k: usize| record.columns[k].as_ref().map(|column| column.as_slice());
-        let states = (0..self.states.len()).filter_map(|k| Some((self.states[k].node, measured(k)?.to_vec())));
-        let inputs = (0..self.inputs.len()).map(|k| (self.inputs[k].node, record.input_samples(k).into_owned()));
-        let known: Vec<(Id, Vec<f64>)> = states.chain(inputs).chain([(self.time, record.time.to_vec())]).collect();
+        let states =
+            (0..self.states.len()).filter_map(|k| Some((self.states[k].node, measured(k)?.to_vec())));
+        let inputs =
+            (0..self.inputs.len()).map(|k| (self.inputs[k].node, record.input_samples(k).into_owned()));
+        let known: Vec<(Id, Vec<f64>)> =
+            states.chain(inputs).chain([(self.time, record.time.to_vec())]).collect();
         let nodes: Vec<Id> = known.iter().map(|(node, _)| *node).collect();
         let beyond = |table: &TableRead| {
             let tape = Tape::compile(&self.graph, &nodes, &[table.of]).ok()?;
@@ -126,7 +131,11 @@ impl Curve {
             let a = graph.constant(a);
             graph.sub(of, a)
         };
-        let powers = if cubic { [start(middle), curvature[middle] / 2.0, third(middle)] } else { [slope(middle), 0.0, 0.0] };
+        let powers = if cubic {
+            [start(middle), curvature[middle] / 2.0, third(middle)]
+        } else {
+            [slope(middle), 0.0, 0.0]
+        };
         let from = offset(graph, x[middle]);
         // Horner's scheme.
         let mut sum = graph.constant(0.0);
@@ -158,8 +167,8 @@ impl Curve {
                 let square = graph.mul(beyond, beyond);
                 beyond = graph.mul(square, beyond);
             }
-            // Seen from the other side, a corner keeps its sign and a cubic changes it.
-            let by = graph.constant(if below && cubic { -by } else { by });
+            // The same from either side: what is taken off an odd power is added to its mirror image.
+            let by = graph.constant(by);
             beyond = graph.mul(by, beyond);
             sum = graph.add(sum, beyond);
         }
@@ -215,7 +224,13 @@ mod tests {
         for k in 0..X.len() {
             approx::assert_relative_eq!(at(false, X[k])[0], Y[k], epsilon = 1e-14);
         }
-        for (x, y) in [(-0.9, -0.44285714285714284), (0.5, 0.95), (2.0, 2.0666666666666664), (-3.0, -10.0), (4.0, 5.933333333333334)] {
+        for (x, y) in [
+            (-0.9, -0.44285714285714284),
+            (0.5, 0.95),
+            (2.0, 2.0666666666666664),
+            (-3.0, -10.0),
+            (4.0, 5.933333333333334),
+        ] {
             approx::assert_relative_eq!(at(false, x)[0], y, max_relative = 1e-14);
         }
     }
@@ -225,7 +240,9 @@ mod tests {
     fn a_cubic_table_is_the_natural_spline() {
         for (x, of) in SPLINE {
             let own = at(true, x);
-            (0..3).for_each(|k| approx::assert_relative_eq!(own[k], of[k], max_relative = 1e-11, epsilon = 1e-12));
+            (0..3).for_each(|k| {
+                approx::assert_relative_eq!(own[k], of[k], max_relative = 1e-11, epsilon = 1e-12)
+            });
         }
         // Straight beyond the ends.
         let (end, beyond) = (at(true, 3.0), at(true, 5.0));

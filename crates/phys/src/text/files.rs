@@ -88,7 +88,8 @@ pub(crate) fn files_in(text: &str, root: &Node) -> Vec<NamedFile> {
     while let Some(node) = waiting.pop() {
         if let (Shape::Text, Some((span, _))) = (node.shape, content(text, node.span)) {
             let words = &text[span.range()];
-            let ast = words.contains(TABLE).then(|| phisindy_expr::parse_with(words, &["rate"]).ok()).flatten();
+            let ast =
+                words.contains(TABLE).then(|| phisindy_expr::parse_with(words, &["rate"]).ok()).flatten();
             for (path, at) in ast.iter().flat_map(|ast| ast.files()) {
                 add(NamedFile { path: path.to_owned(), array: None, span: at.shifted(span.start) });
             }
@@ -128,7 +129,9 @@ fn file(text: &str, node: &Node) -> Option<NamedFile> {
         Some((text[span.range()].to_owned(), span))
     };
     let (path, array) = match node.entries.as_slice() {
-        [path, array] if node.shape == Shape::Group => (&path.value, words(&array.value).map(|(array, _)| array)),
+        [path, array] if node.shape == Shape::Group => {
+            (&path.value, words(&array.value).map(|(array, _)| array))
+        }
         _ => (node, None),
     };
     let (path, span) = words(path)?;

@@ -89,7 +89,8 @@ pub struct Spec {
 impl Spec {
     /// Whether a state is a speed whose rate follows from energies or matrices: what acts along it is then a force.
     pub fn is_moved(&self, state: &str) -> bool {
-        let of_energy = self.energy.iter().flat_map(|e| &e.coordinates).any(|(_, (speed, _))| speed.value == state);
+        let of_energy =
+            self.energy.iter().flat_map(|e| &e.coordinates).any(|(_, (speed, _))| speed.value == state);
         of_energy || self.structure.iter().any(|structure| structure.moves(state))
     }
 

@@ -294,7 +294,8 @@ impl<'s> Survey<'s> {
     fn force_at(&mut self, force: &'s Text, at: &'s Text) {
         let Some(structure) = &self.spec.structure else { return };
         let speed = format!("{}_{}_speed", structure.coordinates.value, at.value);
-        let watt = Measure::Fixed(Form::known(Dimension::NEWTON.mul(Dimension::METRE).div(Dimension::SECOND)));
+        let watt =
+            Measure::Fixed(Form::known(Dimension::NEWTON.mul(Dimension::METRE).div(Dimension::SECOND)));
         let along = match self.names.get(speed.as_str()).map(|q| q.measure.clone()) {
             Some(measure) => measure,
             None => self.plain(at),

@@ -198,10 +198,14 @@ impl Checker {
             }
         }
         if let Some((path, why)) = wrong.into_iter().next() {
-            let at = ast.files().find(|(own, _)| *own == path).map_or(text.span, |(_, at)| at.shifted(text.span.start));
-            self.error(format!("`{path}`: {why}"), at, "")
-                .help
-                .push("two columns: the argument, which grows, and the value; more points than needed cost time".into());
+            let at = ast
+                .files()
+                .find(|(own, _)| *own == path)
+                .map_or(text.span, |(_, at)| at.shifted(text.span.start));
+            self.error(format!("`{path}`: {why}"), at, "").help.push(
+                "two columns: the argument, which grows, and the value; more points than needed cost time"
+                    .into(),
+            );
             return None;
         }
         match lowered {

@@ -1,8 +1,8 @@
 //! Energies to the rates of their speeds.
 
 use super::checker::Checker;
-use crate::system::lagrange::{Energies, Equations, NoEquations, mobility};
 use crate::system::equations::Point;
+use crate::system::lagrange::{Energies, Equations, NoEquations, mobility};
 use crate::text::spec::{EnergySpec, Spec, Text};
 use phisindy_expr::{Id, Scratch, Tape};
 

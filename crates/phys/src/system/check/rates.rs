@@ -79,7 +79,8 @@ impl Checker {
         self.structure(spec, &allowed, &mut states, &mut mechanism);
         mechanism.rates.iter().for_each(|&(k, rate)| known[k] = rate);
         let moves = |name: &str| spec.is_moved(name) || spec.known.iter().any(|(k, _)| k.value == name);
-        for (name, _) in spec.states.iter().filter(|(n, _)| !moves(&n.value)) {
+        let hidden = |name: &str| states.iter().any(|s| s.hidden && s.name == name);
+        for (name, _) in spec.states.iter().filter(|(n, _)| !moves(&n.value) && !hidden(&n.value)) {
             self.error(format!("state `{}` has no rate", name.value), name.span, "declared here")
                 .help
                 .push(format!("add `\"{}\": \"...\"` to `known`; the rate may be \"0\"", name.value));

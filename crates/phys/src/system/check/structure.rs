@@ -103,7 +103,9 @@ impl Checker {
         speeds: &[Id],
     ) -> Option<Vec<f64>> {
         let names: Vec<&str> = structure.points.iter().map(|point| point.name.value.as_str()).collect();
-        if phisindy_expr::parse(&at.value).is_ok_and(|ast| ast.nodes.len() == 1) && !allowed.contains(&at.value.as_str()) {
+        if phisindy_expr::parse(&at.value).is_ok_and(|ast| ast.nodes.len() == 1)
+            && !allowed.contains(&at.value.as_str())
+        {
             self.unknown_name(&at.value, at.span, "point", &names);
             return None;
         }

@@ -4,8 +4,7 @@
 use super::Absent::{Is, Needed, Without};
 use super::Form::{self, *};
 use super::Kind::{
-    Constant, Definition, Given, Grid, Input, Internal, Output, Parameter, Place, Point, Role,
-    Speed, State,
+    Constant, Definition, Given, Grid, Input, Internal, Output, Parameter, Place, Point, Role, Speed, State,
 };
 use super::{Field, Group};
 

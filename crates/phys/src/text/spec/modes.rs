@@ -79,10 +79,14 @@ impl NoModes {
 
     pub(super) fn advice(&self) -> &'static str {
         match self {
-            NoModes::Mass(_) => "every degree of freedom has a mass: condense those without one, and check the signs",
+            NoModes::Mass(_) => {
+                "every degree of freedom has a mass: condense those without one, and check the signs"
+            }
             NoModes::Stiffness(_) => "a structure that buckles has no modes: check the signs of its entries",
             NoModes::Empty(..) => "choose a `band` in Hz that holds some of them",
-            NoModes::Point(..) => "keep more modes, or take the point out and write it by the others in `let`",
+            NoModes::Point(..) => {
+                "keep more modes, or take the point out and write it by the others in `let`"
+            }
         }
     }
 }
@@ -90,7 +94,9 @@ impl NoModes {
 impl fmt::Display for NoModes {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            NoModes::Mass(row) => write!(f, "the mass matrix is not positive definite: row {} of it", row + 1),
+            NoModes::Mass(row) => {
+                write!(f, "the mass matrix is not positive definite: row {} of it", row + 1)
+            }
             NoModes::Stiffness(value) => {
                 write!(f, "the stiffness matrix is not positive: a mode has w^2 = {value:.3e} rad^2/s^2")
             }
@@ -98,7 +104,10 @@ impl fmt::Display for NoModes {
                 write!(f, "no mode lies in the band: the frequencies go from {low:.4} to {high:.4} Hz")
             }
             NoModes::Point(_, modes) => {
-                write!(f, "this point does not move by itself: in {modes} modes it follows from the points before it")
+                write!(
+                    f,
+                    "this point does not move by itself: in {modes} modes it follows from the points before it"
+                )
             }
         }
     }
@@ -106,7 +115,11 @@ impl fmt::Display for NoModes {
 
 impl Modes {
     /// Of matrices; reduced to the first `most` modes, and to those within a band (Hz).
-    pub(super) fn new(of: &Matrices<'_>, most: Option<usize>, band: Option<(f64, f64)>) -> Result<Modes, NoModes> {
+    pub(super) fn new(
+        of: &Matrices<'_>,
+        most: Option<usize>,
+        band: Option<(f64, f64)>,
+    ) -> Result<Modes, NoModes> {
         let n = of.mass.rows();
         let (w2, phi) = eigen(of.mass, of.stiffness)?;
         let hertz: Vec<f64> = w2.iter().map(|w2| w2.max(0.0).sqrt() / TAU).collect();
@@ -126,7 +139,11 @@ impl Modes {
                 let own = shapes.transpose() * c * &shapes;
                 // What rounding leaves between modes that do not know of each other is nothing.
                 let scale = |i: usize, j: usize| (own[(i, i)] * own[(j, j)]).abs().sqrt();
-                Mat::from_fn(m, m, |i, j| if own[(i, j)].abs() > 1e-11 * scale(i, j) { own[(i, j)] } else { 0.0 })
+                Mat::from_fn(
+                    m,
+                    m,
+                    |i, j| if own[(i, j)].abs() > 1e-11 * scale(i, j) { own[(i, j)] } else { 0.0 },
+                )
             }
             Damped::Ratios(ratios) => {
                 let ratio = |k: usize| ratios.get(k).or(ratios.last()).copied().unwrap_or(0.0);

@@ -90,7 +90,9 @@ fn read_with(
     files: Option<&Files>,
 ) -> Result<(Spec, Vec<Diagnostic>), Vec<Diagnostic>> {
     let root = parse(text).map_err(|mistake| vec![mistake.diagnostic(source)])?;
-    let given = |file: &NamedFile| files.is_none_or(|files| files.numbers(&file.path, file.array.as_deref()).is_some());
+    let given = |file: &NamedFile| {
+        files.is_none_or(|files| files.numbers(&file.path, file.array.as_deref()).is_some())
+    };
     let missing = files_in(text, &root).into_iter().filter(|file| !given(file));
     let missing: Vec<Diagnostic> = missing
         .map(|file| {

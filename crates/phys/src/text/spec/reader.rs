@@ -1,7 +1,7 @@
 //! Reads the outline of a RON text into values and collects what is wrong on the way.
 
-use crate::text::files::Files;
 use crate::text::diagnostic::{Diagnostic, SourceId};
+use crate::text::files::Files;
 use crate::text::raw::{Node, Shape, comma_advice};
 use phisindy_expr::{Span, nearest};
 

@@ -88,20 +88,29 @@ impl Reader<'_> {
         let ((mass, at), (stiffness, stiffness_at)) = (mass?, stiffness?);
         let n = mass.rows();
         if n < DEGREES.0 || n > DEGREES.1 {
-            let message = format!("a structure has {} to {} degrees of freedom, and this one {n}", DEGREES.0, DEGREES.1);
+            let message = format!(
+                "a structure has {} to {} degrees of freedom, and this one {n}",
+                DEGREES.0, DEGREES.1
+            );
             return self.wrong(at.span, message, "", "reduce it where it comes from, or write `energy`");
         }
         let points = self.required(&fields, "points", |r, node| r.map(node, |r, node| r.point(node, n)));
         let damping = damping?;
         let damped = if let Damped::Matrix(matrix, span) = &damping { Some((matrix, *span)) } else { None };
-        for (what, matrix, span) in
-            [("mass", &mass, at.span), ("stiffness", &stiffness, stiffness_at.span)].into_iter().chain(damped.map(|(matrix, span)| ("damping", matrix, span)))
+        for (what, matrix, span) in [("mass", &mass, at.span), ("stiffness", &stiffness, stiffness_at.span)]
+            .into_iter()
+            .chain(damped.map(|(matrix, span)| ("damping", matrix, span)))
         {
             self.symmetric(what, matrix, n, span)?;
         }
         let points = points?;
         if points.is_empty() {
-            return self.wrong(node.span, "`structure` has no points", "nothing of it is seen", "name one with its degree of freedom: points: { \"tip\": 45 }");
+            return self.wrong(
+                node.span,
+                "`structure` has no points",
+                "nothing of it is seen",
+                "name one with its degree of freedom: points: { \"tip\": 45 }",
+            );
         }
         let rows: Vec<Vec<f64>> = points.iter().map(|(_, (row, _))| row.clone()).collect();
         let all = Matrices { mass: &mass, stiffness: &stiffness, damping, points: &rows };
@@ -121,14 +130,20 @@ impl Reader<'_> {
             let unit = unit.unwrap_or_else(|| Spanned { value: "m".into(), span: name.span });
             PointSpec { name, unit }
         });
-        Some(StructureSpec { coordinates: coordinates?, points: points.collect(), forces, modes: Arc::new(found) })
+        Some(StructureSpec {
+            coordinates: coordinates?,
+            points: points.collect(),
+            forces,
+            modes: Arc::new(found),
+        })
     }
 
     /// `"K.mtx"`, or `("model.npz", "K")`: its numbers, and where its path stands.
     fn matrix(&mut self, node: &Node) -> Option<(Numbers, Text)> {
         let (path, array) = match node.shape {
             Shape::Group => {
-                let [path, array] = self.tuple(node, "a file and the name of an array in it, as in (\"model.npz\", \"K\")")?;
+                let [path, array] =
+                    self.tuple(node, "a file and the name of an array in it, as in (\"model.npz\", \"K\")")?;
                 let (path, array) = (self.words(path), self.words(array));
                 (path?, Some(array?.value))
             }
@@ -155,7 +170,12 @@ impl Reader<'_> {
             let dof = r.whole(node)?;
             let place = usize::try_from(dof.value).ok().filter(|k| (1..=n).contains(k));
             let Some(place) = place else {
-                return r.wrong(dof.span, format!("there is no degree of freedom {} among {n}", dof.value), "", "they are counted from 1");
+                return r.wrong(
+                    dof.span,
+                    format!("there is no degree of freedom {} among {n}", dof.value),
+                    "",
+                    "they are counted from 1",
+                );
             };
             Some((0..n).map(|k| f64::from(u8::from(k + 1 == place))).collect())
         };
@@ -169,12 +189,26 @@ impl Reader<'_> {
             (None, Some(row)) => {
                 let (numbers, path) = self.matrix(row)?;
                 if numbers.values.len() != n {
-                    let message = format!("the row `{}` has {} numbers, and the structure {n} degrees of freedom", path.value, numbers.values.len());
-                    return self.wrong(path.span, message, "", "write one number for each, in one row or one column");
+                    let message = format!(
+                        "the row `{}` has {} numbers, and the structure {n} degrees of freedom",
+                        path.value,
+                        numbers.values.len()
+                    );
+                    return self.wrong(
+                        path.span,
+                        message,
+                        "",
+                        "write one number for each, in one row or one column",
+                    );
                 }
                 Some(numbers.values)
             }
-            _ => self.wrong(node.span, "a point is one degree of freedom or one row", "", "write 45, (dof: 45, unit: \"rad\") or (row: \"row.csv\")"),
+            _ => self.wrong(
+                node.span,
+                "a point is one degree of freedom or one row",
+                "",
+                "write 45, (dof: 45, unit: \"rad\") or (row: \"row.csv\")",
+            ),
         };
         Some((row?, unit))
     }
@@ -183,7 +217,8 @@ impl Reader<'_> {
     fn symmetric(&mut self, what: &str, matrix: &Numbers, n: usize, span: phisindy_expr::Span) -> Option<()> {
         let (rows, columns) = (matrix.rows(), matrix.columns);
         if (rows, columns) != (n, n) {
-            let message = format!("the {what} matrix has {rows} x {columns} numbers, and the mass has {n} rows");
+            let message =
+                format!("the {what} matrix has {rows} x {columns} numbers, and the mass has {n} rows");
             return self.wrong(span, message, "", "all matrices of a structure are square and of one size");
         }
         let largest = matrix.values.iter().fold(0.0_f64, |most, a| most.max(a.abs()));
@@ -191,7 +226,13 @@ impl Reader<'_> {
             for j in 0..i {
                 let (a, b) = (matrix.at(i, j), matrix.at(j, i));
                 if (a - b).abs() > 1e-6 * largest {
-                    let message = format!("the {what} matrix is not symmetric: its entry ({}, {}) is {a}, and ({}, {}) is {b}", i + 1, j + 1, j + 1, i + 1);
+                    let message = format!(
+                        "the {what} matrix is not symmetric: its entry ({}, {}) is {a}, and ({}, {}) is {b}",
+                        i + 1,
+                        j + 1,
+                        j + 1,
+                        i + 1
+                    );
                     let help = "only symmetric matrices are read: gyroscopic and circulatory terms belong into `known` or `forces`";
                     return self.wrong(span, message, "", help);
                 }
