@@ -43,8 +43,14 @@ def jacobian(mode):
     return np.vstack([np.hstack([np.zeros((n, n)), np.eye(n)]), rates])
 
 
+def next_mode(t, y):
+    holds = friction(0, t, y)
+    return 0 if abs(holds) < FRICTION - 1e-9 else int(np.sign(-holds))
+
+
 times = np.linspace(0, 6, 3001)
-t, y, mode, motion = 0.0, np.zeros(2 * n), 0, []
+t, y, motion = 0.0, np.zeros(2 * n), []
+mode = next_mode(t, y)
 while len(motion) < len(times):
     if mode:
         event = lambda t, y: mode * (tip @ y[n:])
@@ -56,8 +62,7 @@ while len(motion) < len(times):
     motion += [run.sol(s) for s in times[len(motion):] if s <= run.t[-1] + 1e-13]
     t, y = run.t[-1], run.y[:, -1].copy()
     y[n:] -= tip * (tip @ y[n:]) / (tip @ tip)
-    holds = friction(0, t, y)
-    mode = 0 if abs(holds) < FRICTION - 1e-9 else int(np.sign(-holds))
+    mode = next_mode(t, y)
 columns = np.array(motion)[:, :n] @ modes[list(points.values())].T
 noise = np.random.default_rng(1)
 columns = np.column_stack([x + noise.normal(size=len(x)) * 0.003 * x.std() for x in columns.T])

@@ -80,7 +80,7 @@ fn points_move_as_the_matrices_say() {
     let case = checked(&text, &[("row", row)]).expect("a case");
     assert_eq!(
         case.system.states.iter().map(|s| s.name.as_str()).collect::<Vec<_>>(),
-        ["q_a", "q_a_speed", "q_mean", "q_mean_speed", "q_mode2", "q_mode2_speed"]
+        ["q_a", "q_a_speed", "q_mean", "q_mean_speed", "q_mode3", "q_mode3_speed"]
     );
     let (a, b) = linear(&case);
     // The matrices themselves: displacements, then speeds.
