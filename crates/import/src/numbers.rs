@@ -176,7 +176,10 @@ fn market(text: &str) -> Result<Numbers, Wrong> {
                 match (place(row, r), place(column, c)) {
                     (Some(row), Some(column)) => (row, column, value),
                     _ => {
-                        return Err(wrong(line, &format!("there is no entry ({row}, {column}) in {r} x {c}")));
+                        return Err(wrong(
+                            line,
+                            &format!("there is no entry ({row}, {column}) in {r} x {c}"),
+                        ));
                     }
                 }
             }
