@@ -185,6 +185,8 @@ fn the_reference_says_of_each_field_what_editors_say() {
     let groups: &[&Group] = &[
         &fields::SPEC,
         &fields::ENERGY,
+        &fields::STRUCTURE,
+        &fields::POINT,
         &fields::OUTPUT,
         &fields::MOVABLE,
         &fields::FIND,

@@ -13,6 +13,15 @@ pub enum AstKind {
     Unary(Unary, usize),
     /// An infix operation or a function of two arguments.
     Binary(Binary, usize, usize),
+    /// A function of one argument that a file holds: `table('spring.csv', x)`.
+    Table {
+        /// The file, and its place in the text.
+        path: (String, Span),
+        /// Whether it goes smoothly through its points, and not straight from one to the next.
+        cubic: bool,
+        /// The argument.
+        of: usize,
+    },
 }
 
 /// A node and its place in the text.
@@ -37,6 +46,14 @@ impl Ast {
     pub fn names(&self) -> impl Iterator<Item = (&str, Span)> {
         self.nodes.iter().filter_map(|node| match &node.kind {
             AstKind::Name(name) => Some((name.as_str(), node.span)),
+            _ => None,
+        })
+    }
+
+    /// Every file of a table with its place, in the order of the text, with repetitions.
+    pub fn files(&self) -> impl Iterator<Item = (&str, Span)> {
+        self.nodes.iter().filter_map(|node| match &node.kind {
+            AstKind::Table { path: (path, span), .. } => Some((path.as_str(), *span)),
             _ => None,
         })
     }

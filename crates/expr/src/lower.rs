@@ -19,7 +19,20 @@ impl Graph {
     pub fn lower(
         &mut self,
         ast: &Ast,
+        resolve: impl FnMut(&str) -> Option<Symbol>,
+    ) -> Result<Id, Vec<UnknownName>> {
+        self.lower_with(ast, resolve, |_, _, _, _| None)
+    }
+
+    /// As [`Graph::lower`]; `table` makes the value of a table of its file, whether it is cubic, and its argument.
+    ///
+    /// # Errors
+    /// As [`Graph::lower`], and the files of which `table` makes nothing.
+    pub fn lower_with(
+        &mut self,
+        ast: &Ast,
         mut resolve: impl FnMut(&str) -> Option<Symbol>,
+        mut table: impl FnMut(&mut Graph, &str, bool, Id) -> Option<Id>,
     ) -> Result<Id, Vec<UnknownName>> {
         let mut ids: Vec<Id> = Vec::with_capacity(ast.nodes.len());
         let mut unknown = Vec::new();
@@ -37,6 +50,13 @@ impl Graph {
                 },
                 AstKind::Unary(op, a) => self.unary(*op, ids[*a]),
                 AstKind::Binary(op, a, b) => self.binary(*op, ids[*a], ids[*b]),
+                AstKind::Table { path: (path, span), cubic, of } => {
+                    let made = table(self, path, *cubic, ids[*of]);
+                    made.unwrap_or_else(|| {
+                        unknown.push(UnknownName { name: path.clone(), span: *span });
+                        self.constant(1.0)
+                    })
+                }
             };
             ids.push(id);
         }

@@ -5,7 +5,7 @@
 //! product = sign { ("*" | "/") sign }
 //! sign    = "-" product' | "+" product' | power          see below
 //! power   = primary [ "^" sign ]                          right-associative: a^b^c is a^(b^c), -x^2 is -(x^2)
-//! primary = number | name | name "(" sum { "," sum } ")" | "(" sum ")" | "|" sum "|"
+//! primary = number | name | name "(" sum { "," sum } ")" | "table" "(" file "," sum [ "," kind ] ")" | "(" sum ")" | "|" sum "|"
 //! ```
 //! A leading sign applies to a whole product: `-a*b` is `-(a*b)`. After an operator, a sign applies to what
 //! that operator takes: `a/-b*c` is `(a/(-b))*c` and `2^-x*y` is `(2^(-x))*y`.
@@ -50,6 +50,8 @@ pub enum ParseErrorKind {
     WrongArguments(String, usize, usize),
     /// An accessor with something else than a name in its parentheses.
     ExpectedName(String),
+    /// A table without a file, an argument, or a kind that there is.
+    Table,
     /// A literal too large for a double.
     NumberTooLarge,
     /// Nested deeper than allowed.
@@ -96,6 +98,7 @@ impl ParseError {
                 Some(format!("write `{name}({})`", ["a", "a, b"][usize::from(*due > 1)]))
             }
             ExpectedName(word) => Some(format!("`{word}` takes one name, as in `{word}(v)`")),
+            Table => Some("write `table('spring.csv', x)`, or `table('spring.csv', x, cubic)`".into()),
             NumberTooLarge => Some("numbers go up to 1.7e308: choose a larger unit".into()),
         }
     }
@@ -117,6 +120,9 @@ impl fmt::Display for ParseError {
                 write!(f, "`{name}` takes {due} argument{}, not {given}", if *due == 1 { "" } else { "s" })
             }
             ExpectedName(word) => write!(f, "`{word}` takes one name"),
+            Table => {
+                write!(f, "`table` takes a file in quotes, an argument, and perhaps `linear` or `cubic`")
+            }
             NumberTooLarge => write!(f, "this number is too large"),
             TooDeep => write!(f, "nested more than {MAX_DEPTH} levels deep"),
             TooLong => write!(f, "the expression has more than {MAX_TOKENS} tokens"),
@@ -180,6 +186,9 @@ pub fn parse_with(text: &str, accessors: &[&str]) -> Result<Ast, ParseError> {
         Some(_) => Err(parser.expected_operator()),
     }
 }
+
+/// The function whose values stand in a file.
+const TABLE: &str = "table";
 
 /// Most characters of a word that a message repeats.
 const LONGEST: usize = 40;
@@ -272,7 +281,7 @@ impl Parser<'_> {
                 _ => Err(ParseError { kind: ParseErrorKind::NumberTooLarge, span }),
             },
             Token::Name if matches!(self.peek(), Some((Token::Open, _))) => self.call(text.to_owned(), span),
-            Token::Name if function(text).is_some() => {
+            Token::Name if function(text).is_some() || text == TABLE => {
                 Err(ParseError { kind: ParseErrorKind::FunctionWithoutArguments(text.to_owned()), span })
             }
             Token::Name => Ok(self.push(AstKind::Name(text.to_owned()), span)),
@@ -313,6 +322,9 @@ impl Parser<'_> {
         if self.accessors.contains(&name.as_str()) {
             return self.access(name, span);
         }
+        if name == TABLE {
+            return self.table(span);
+        }
         let Some(function) = function(&name) else {
             let name = clipped(&name, LONGEST).into_owned();
             return Err(ParseError { kind: ParseErrorKind::UnknownFunction(name), span });
@@ -343,6 +355,34 @@ impl Parser<'_> {
             }
         };
         Ok(self.push(kind, span.to(end)))
+    }
+
+    /// The rest of `table('spring.csv', x)` or `table('spring.csv', x, cubic)`.
+    fn table(&mut self, span: Span) -> Result<usize, ParseError> {
+        let wrong = |span: Span| ParseError { kind: ParseErrorKind::Table, span };
+        let open = self.tokens[self.next].1;
+        self.next += 1;
+        let Some((Token::Quoted, file)) = self.peek() else { return Err(wrong(self.token_text().1)) };
+        self.next += 1;
+        let Some((Token::Comma, _)) = self.peek() else { return Err(wrong(self.token_text().1)) };
+        self.next += 1;
+        let bars = std::mem::take(&mut self.bars);
+        let of = self.expression(0)?;
+        let mut cubic = false;
+        if let Some((Token::Comma, _)) = self.peek() {
+            let kind = self.tokens.get(self.next + 1).map_or(open, |(_, span)| *span);
+            cubic = match &self.text[kind.range()] {
+                "cubic" => true,
+                "linear" => false,
+                _ => return Err(wrong(kind)),
+            };
+            self.next += 2;
+        }
+        self.bars = bars;
+        let end = self.close(Token::Close, open, ParseErrorKind::UnclosedParenthesis)?;
+        let inside = Span::new(file.start + 1, file.end - 1);
+        let path = (self.text[inside.range()].to_owned(), inside);
+        Ok(self.push(AstKind::Table { path, cubic, of }, span.to(end)))
     }
 
     /// The name in the parentheses of an accessor.

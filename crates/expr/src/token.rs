@@ -11,6 +11,10 @@ pub(crate) enum Token {
     Number,
     #[regex(r"[\p{XID_Start}_]\p{XID_Continue}*")]
     Name,
+    /// The path of a file; single quotes, where the whole expression stands in double ones.
+    #[regex(r"'[^']*'")]
+    #[regex("\"[^\"]*\"")]
+    Quoted,
     #[token("+")]
     Plus,
     #[token("-")]

@@ -283,7 +283,7 @@ pub fn places(system: &mut System, plans: &[RecordPlan]) -> Vec<Place> {
     }
     let states = &system.states;
     let bodies: Vec<usize> =
-        (0..states.len()).filter(|&k| states[k].velocity.is_none() && !states[k].of_sensor).collect();
+        (0..states.len()).filter(|&k| states[k].velocity.is_none() && !states[k].hidden).collect();
     let mut all: Vec<Place> = bodies.iter().map(|&v| on_body(system, v)).collect();
     all.extend(between_bodies(system, &bodies));
     all.extend(against_inputs(system, plans, &bodies));
@@ -362,6 +362,8 @@ fn between_bodies(system: &mut System, bodies: &[usize]) -> Vec<Place> {
     let pairs: Vec<(usize, usize)> = (0..bodies.len())
         .flat_map(|i| (i + 1..bodies.len()).map(move |j| (i, j)))
         .filter(|&(i, j)| alone[i] || alone[j] || joined(bodies[i], bodies[j]))
+        // Any two points of a structure are joined: the user names those between which something acts.
+        .filter(|&(i, j)| ![i, j].iter().all(|&k| system.points.iter().any(|p| p.speed == bodies[k])))
         .map(|(i, j)| (bodies[i], bodies[j]))
         .collect();
     let mut all = Vec::new();

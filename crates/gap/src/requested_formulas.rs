@@ -120,7 +120,8 @@ pub fn with_formulas(
     requested: &[RequestedFormula],
     observe: &mut (dyn FnMut(f64, Activity) -> ControlFlow<()> + Send),
 ) -> Result<WithFormulas, ModelError> {
-    let (spec, _) = spec::read(text, SourceId(0)).map_err(|_| ModelError::Spec)?;
+    let (spec, _) =
+        spec::read_with_files(text, SourceId(0), &case.system.files).map_err(|_| ModelError::Spec)?;
     let whole = TrialModel::base(spec.clone(), case, records);
     let kept = without(spec.clone(), |u| u.search.clear());
     let plain = whole.variant(kept).ok_or(ModelError::Spec)?;

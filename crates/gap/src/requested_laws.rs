@@ -131,7 +131,8 @@ pub fn written_out(
     effects: &[Effect],
     catalogue: &[LawEntry],
 ) -> Result<WrittenOut, ModelError> {
-    let (spec, _) = spec::read(text, SourceId(0)).map_err(|_| ModelError::Spec)?;
+    let (spec, _) =
+        spec::read_with_files(text, SourceId(0), &case.system.files).map_err(|_| ModelError::Spec)?;
     let whole = TrialModel::base(spec.clone(), case, records);
     let plain = whole.variant(without(spec.clone(), |u| u.laws.clear())).ok_or(ModelError::Spec)?;
     let effects =

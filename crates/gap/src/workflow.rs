@@ -51,7 +51,7 @@ pub fn gap(
     let noise = noise_of(&records);
     mostly_noise(&records, &noise)?;
     let unreadable = || GapError::Data(DataError::Spec(text.to_owned()));
-    let (spec, _) = spec::read(text, SourceId(0)).map_err(|_| unreadable())?;
+    let (spec, _) = spec::read_with_files(text, SourceId(0), &case.system.files).map_err(|_| unreadable())?;
     let mut warnings = Vec::new();
     if case.is_open() {
         warnings.push(Warning::UnknownLeftOut { candidates: !case.system.terms.is_empty() });

@@ -19,5 +19,6 @@ mod thousands;
 mod turns;
 
 pub(crate) use line::{Line, LineError};
+pub(crate) use lines::Lines;
 pub use record::record;
 pub use table::table;

@@ -66,7 +66,7 @@ fn gone() -> String {
 
 /// The constants of a spec, and its sketch; each is null while the text has mistakes in the way.
 pub(crate) fn shown(text: &str) -> Value {
-    let read = spec::read(text, SourceId(0)).ok();
+    let read = spec::read_without_files(text, SourceId(0)).ok();
     let model = Model::read(text).ok();
     let files = |(spec, _): &(Spec, _)| {
         let records = spec.data.iter().filter_map(DataSpec::of_file);
@@ -206,7 +206,7 @@ fn constant(text: &str, asked: &Value) -> Result<String, String> {
     let word = |key: &str| asked[key].as_str().unwrap_or_default();
     let (name, to) = (word("name"), word("to").trim());
     let first = |all: Vec<Diagnostic>| all.into_iter().next().map_or(String::new(), |d| d.message);
-    let (spec, _) = spec::read(text, SourceId(0)).map_err(first)?;
+    let (spec, _) = spec::read_without_files(text, SourceId(0)).map_err(first)?;
     let record = asked["record"].as_u64().and_then(|k| usize::try_from(k).ok());
     let list = match record {
         Some(k) => spec.data.get(k).map_or(&[][..], DataSpec::constants),

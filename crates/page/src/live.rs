@@ -280,7 +280,7 @@ fn new_file(folder: &Working) -> io::Result<(String, File)> {
 
 /// A spec whose one record is `file`, read as its first record with a file is; `None` without one.
 fn reading(text: &str, file: &str) -> Option<String> {
-    let (spec, _) = spec::read(text, SourceId(0)).ok()?;
+    let (spec, _) = spec::read_without_files(text, SourceId(0)).ok()?;
     let first = spec.data.iter().find_map(spec::DataSpec::of_file)?;
     let own = record_like(&text[first.span.range()], file, "Fit").ok()?;
     splice::set(text, "data", &format!("[{own}]")).ok()

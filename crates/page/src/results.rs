@@ -120,7 +120,9 @@ pub(crate) fn exported(folder: &Working, result: &str, to: &str) -> Result<(&'st
     let mut sources = Sources::default();
     let source = sources.add(shown.clone(), text.clone());
     let first = |all: Vec<phisindy::Diagnostic>| all.into_iter().next().map_or(String::new(), |d| d.message);
-    let (spec, _) = phisindy_phys::spec::read(&text, source).map_err(first)?;
+    let files = phisindy::files::named_numbers(&text, &path, &phisindy::files::Request::default(), source);
+    let (spec, _) =
+        phisindy_phys::spec::read_with_files(&text, source, &files.map_err(first)?).map_err(first)?;
     let (case, _) = phisindy_phys::check(&spec, source).map_err(first)?;
     if let Some(mistake) = refusal(&spec, &case, &shown, source) {
         return Err(mistake.message);

@@ -264,6 +264,7 @@ fn operands(kind: &AstKind) -> impl Iterator<Item = usize> + use<> {
     let both = match *kind {
         AstKind::Unary(_, a) => [Some(a), None],
         AstKind::Binary(_, a, b) => [Some(a), Some(b)],
+        AstKind::Table { of, .. } => [Some(of), None],
         _ => [None, None],
     };
     both.into_iter().flatten()

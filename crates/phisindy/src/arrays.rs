@@ -26,7 +26,7 @@ impl Loaded {
         let mut sources = Sources::default();
         let source = sources.add("the spec with its records", text.clone());
         let wrong = |mistakes: Vec<Diagnostic>| Error::from(SpecError::new(mistakes, sources.clone()));
-        let (parsed, checked, warnings) = checked(&text, source).map_err(wrong)?;
+        let (parsed, checked, warnings) = checked(&text, source, &case.spec.files).map_err(wrong)?;
         let mut doubts: Vec<String> = warnings.into_iter().map(|d| d.message).collect();
         let (mut all, mut truths) = (vec![], vec![]);
         for (record, plan) in records.iter().zip(&checked.records) {

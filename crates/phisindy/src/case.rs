@@ -3,8 +3,8 @@
 use crate::error::{Error, SpecError};
 use crate::files::headings;
 use crate::record::{Record, RecordError};
-use phisindy_phys::spec::{DataSpec, Spec, read_without_data};
-use phisindy_phys::{self as phys, Diagnostic, Sources, check, splice};
+use phisindy_phys::spec::{DataSpec, Spec, read_in_memory};
+use phisindy_phys::{self as phys, Diagnostic, Files, Sources, check, splice};
 use std::fmt;
 
 /// A checked spec. Records come from memory, so it need not have `data`.
@@ -23,10 +23,29 @@ impl Case {
     /// # Errors
     /// All mistakes of the text.
     pub fn read(text: &str) -> Result<Case, SpecError> {
+        Case::read_with(text, &Files::default())
+    }
+
+    /// As [`Case::read`], of a text that names files beside its records, as `structure` and `table(...)` do: with their
+    /// numbers.
+    ///
+    /// ```
+    /// use phisindy::{Case, Files, Numbers, named_files};
+    /// let text = r#"(states: { "x": "m", "v": "m/s" }, known: { "x": "v", "v": "-table('spring.csv', x)" })"#;
+    /// assert!(Case::read(text).is_err());
+    /// let spring = Numbers { columns: 2, values: vec![-0.1, -30.0, 0.0, 0.0, 0.1, 50.0], headings: vec![] };
+    /// let files: Files = named_files(text).into_iter().map(|file| (file, spring.clone())).collect();
+    /// assert_eq!(Case::read_with(text, &files)?.states().count(), 2);
+    /// # Ok::<(), phisindy::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// All mistakes of the text and of the files, and files that are not given.
+    pub fn read_with(text: &str, files: &Files) -> Result<Case, SpecError> {
         let mut sources = Sources::default();
         let source = sources.add("spec", text);
         let (spec, mut warnings) =
-            read_without_data(text, source).map_err(|d| SpecError::new(d, sources.clone()))?;
+            read_in_memory(text, source, files).map_err(|d| SpecError::new(d, sources.clone()))?;
         let (checked, more) = check(&spec, source).map_err(|d| SpecError::new(d, sources.clone()))?;
         warnings.extend(more);
         Ok(Case { text: text.to_owned(), spec, checked, warnings, sources })
@@ -44,7 +63,7 @@ impl Case {
     /// # Errors
     /// The path leads nowhere, or the new text has a mistake.
     pub fn with(&self, path: &str, value: &str) -> Result<Case, Error> {
-        Ok(Case::read(&splice::set(&self.text, path, value)?)?)
+        Ok(Case::read_with(&splice::set(&self.text, path, value)?, &self.spec.files)?)
     }
 
     /// The text.

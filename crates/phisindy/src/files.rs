@@ -36,9 +36,11 @@ pub use columns::Columns;
 pub(crate) use columns::headings;
 pub use compare::compare;
 pub use fleet::{fleet_of, machine, machine_files};
-pub use folders::{data_file, named_files, open_plain_file, opened};
+pub use folders::{data_file, named_files, named_numbers, open_plain_file, opened};
 pub use laws::{LawFolderError, beside, catalogue, doubts, law_files};
-pub use load::{Purpose, Refusal, load, load_text, open, open_text, spec_text, start_of, with_assignments};
+pub use load::{
+    Purpose, Refusal, case_of, load, load_text, open, open_text, spec_text, start_of, with_assignments,
+};
 pub use next::next;
 pub use provenance::{Asked, Difference, Provenance, Verified, verify};
 pub use request::{Assignment, Naming, Request};

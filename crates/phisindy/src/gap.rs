@@ -141,6 +141,6 @@ impl Gap {
     /// # Errors
     /// The text has a mistake, which is one of this library.
     pub fn case(&self) -> Result<Case, Error> {
-        Ok(Case::read(&self.result.completed)?)
+        Ok(Case::read_with(&self.result.completed, &self.loaded.parsed.files)?)
     }
 }

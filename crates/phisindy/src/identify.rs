@@ -185,7 +185,7 @@ impl Identified {
     /// # Errors
     /// The text cannot hold what was identified.
     pub fn case(&self) -> Result<Case, Error> {
-        Ok(Case::read(&self.model()?)?)
+        Ok(Case::read_with(&self.model()?, &self.loaded.parsed.files)?)
     }
 
     /// The same as the text of a spec.

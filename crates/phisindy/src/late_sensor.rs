@@ -131,7 +131,7 @@ fn edited(loaded: &Loaded, late: &LateColumn, found: &Number, property: &str, va
     for k in (0..records.len()).filter(|&k| records[k].columns[late.column].is_some()) {
         text = splice::set(&text, &format!("data.{k}.sensors.{column}.{property}"), value).ok()?;
     }
-    let (parsed, case, _) = checked(&text, SourceId(0)).ok()?;
+    let (parsed, case, _) = checked(&text, SourceId(0), &loaded.parsed.files).ok()?;
     let records = records.iter().zip(&case.records).map(|(record, plan)| {
         let places = laid_out(record, system, &case.system);
         let columns = places.iter().map(|place| record.columns[(*place)?].clone()).collect();

@@ -67,5 +67,5 @@ pub use phisindy_gap::{GapError, Rival, Status, Step, StepParameter};
 pub use phisindy_learn::{Estimate, FoundParameter, LearnError, RecordFit, Verdict};
 pub use phisindy_phys::LawEntry;
 pub use phisindy_phys::spec::{Method, Role};
-pub use phisindy_phys::{Diagnostic, Sources};
+pub use phisindy_phys::{Diagnostic, Files, NamedFile, Numbers, Sources, named_files};
 pub use phisindy_report::{Folder, Format, Shown};

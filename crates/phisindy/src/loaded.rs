@@ -7,7 +7,9 @@ use phisindy_gap::{
     written_out,
 };
 use phisindy_phys::spec::Spec;
-use phisindy_phys::{Case, Diagnostic, LawEntry, Origin, Record, RecordPlan, Requirement, SourceId, Sources};
+use phisindy_phys::{
+    Case, Diagnostic, Files, LawEntry, Origin, Record, RecordPlan, Requirement, SourceId, Sources,
+};
 use phisindy_report::Input;
 use phisindy_sim::Trajectory;
 use std::ops::ControlFlow;
@@ -75,8 +77,8 @@ impl Loaded {
         let found = with_formulas(&self.text, self.case.clone(), records, &requested, &mut tell);
         let WithFormulas { text, records, without } = found.map_err(GapError::Numerics)?;
         let source = sources.add(format!("{} (with its formulas)", self.spec), text.clone());
-        let (parsed, mut case, _) =
-            checked(&text, source).map_err(|mistakes| SpecError::new(mistakes, sources.clone()))?;
+        let (parsed, mut case, _) = checked(&text, source, &self.parsed.files)
+            .map_err(|mistakes| SpecError::new(mistakes, sources.clone()))?;
         let Case { laws, searches, requirements, system, without_laws, .. } = self.case.clone();
         let without_laws = without_laws.or_else(|| Some(Arc::new(system)));
         // The model with its formulas has a graph of its own.
@@ -133,8 +135,9 @@ pub fn record_named<'a>(
 pub(crate) fn checked(
     text: &str,
     source: SourceId,
+    files: &Files,
 ) -> Result<(Spec, Case, Vec<Diagnostic>), Vec<Diagnostic>> {
-    let (spec, mut warnings) = phisindy_phys::spec::read(text, source)?;
+    let (spec, mut warnings) = phisindy_phys::spec::read_with_files(text, source, files)?;
     match phisindy_phys::check(&spec, source) {
         Ok((case, more)) => {
             warnings.extend(more);
@@ -185,10 +188,11 @@ impl Laws {
             NotWritten
         })?;
         let source = sources.add(format!("{} (its laws written out)", loaded.spec), draft.text.clone());
-        let (parsed, mut case, warnings) = checked(&draft.text, source).map_err(|mistakes| {
-            found.extend(mistakes);
-            NotWritten
-        })?;
+        let (parsed, mut case, warnings) =
+            checked(&draft.text, source, &loaded.parsed.files).map_err(|mistakes| {
+                found.extend(mistakes);
+                NotWritten
+            })?;
         let new: Vec<Diagnostic> =
             warnings.into_iter().filter(|w| found.iter().all(|d| d.message != w.message)).collect();
         found.extend(new);

@@ -35,7 +35,9 @@ pub use suspicion::{Suspicion, Wrap, clipped, suspicions, wraps};
 pub use system::check::{Case, check, check_names, takes_units};
 pub use system::constants::Value;
 pub use system::equations::with_reactions;
-pub use system::equations::{Constraint, Contact, Input, NamedPlace, Output, Parameter, State, System, Term};
+pub use system::equations::{
+    Constraint, Contact, Input, NamedPlace, Output, Parameter, Point, State, System, TableRead, Term,
+};
 pub use system::filter::{Filter, FilterKind, NotLinear};
 pub use system::impact::{Impact, Rebound};
 pub use system::model::Model;
@@ -47,6 +49,7 @@ pub use system::requirement::Requirement;
 pub use system::sensor::{Sensor, SensorParameter};
 pub use system::table::{Samples, Table};
 pub use text::diagnostic::{Diagnostic, Label, Located, Severity, Source, SourceId, Sources};
+pub use text::files::{Files, NamedFile, Numbers, named_files};
 pub use text::format::format;
 pub use text::{fields, spec, splice};
 pub use units::dimensions::measures;

@@ -8,6 +8,7 @@
 mod butterworth;
 pub(crate) mod check;
 pub(crate) mod constants;
+pub(crate) mod curve;
 pub(crate) mod equations;
 pub(crate) mod filter;
 pub(crate) mod impact;

@@ -10,6 +10,7 @@
 
 pub(crate) mod diagnostic;
 pub mod fields;
+pub(crate) mod files;
 pub(crate) mod format;
 pub(crate) mod raw;
 pub mod spec;

@@ -1,7 +1,7 @@
 //! The table of fields is what the reader takes: each field in each of its forms.
 
 use phisindy_phys::fields::{Absent, Field, Form, Group, LAW, SPEC};
-use phisindy_phys::{Diagnostic, Law, SourceId, outline, spec};
+use phisindy_phys::{Diagnostic, Files, Law, Numbers, SourceId, named_files, outline, spec};
 
 /// A text of each form that may stand somewhere, the plainest first. `k` is the place in a tuple: bounds go up.
 fn samples(form: &Form, k: usize) -> Vec<String> {
@@ -70,7 +70,15 @@ fn the_reader_takes_each_field_in_each_of_its_forms() {
     let (specs, laws) = (groups(&SPEC), groups(&LAW));
     assert!(specs.len() > 500 && laws.len() > 30, "{} {}", specs.len(), laws.len());
     for text in specs {
-        let found = spec::read(&text, SourceId(0)).map_or_else(|found| found, |(_, warnings)| warnings);
+        // Every file that it names holds a matrix.
+        let matrix = Numbers {
+            columns: 3,
+            values: vec![2.0, 0.0, 0.0, 0.0, 3.0, 0.0, 0.0, 0.0, 4.0],
+            headings: vec![],
+        };
+        let files: Files = named_files(&text).into_iter().map(|file| (file, matrix.clone())).collect();
+        let found = spec::read_with_files(&text, SourceId(0), &files)
+            .map_or_else(|found| found, |(_, warnings)| warnings);
         assert!(refused(&found).is_none(), "{text}\n{:?}", refused(&found));
     }
     for text in laws {

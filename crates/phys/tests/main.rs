@@ -9,3 +9,4 @@ mod laws;
 mod mutated;
 mod spec;
 mod splice;
+mod structure;

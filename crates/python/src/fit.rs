@@ -5,7 +5,7 @@ use crate::table::{Slices, Table, columns, slices};
 use crate::work::{Observe, Stop, worked};
 use numpy::{PyArray1, ToPyArray};
 use phisindy::files::{
-    self, FolderError, Naming, Purpose, Request, ResultFolder, law_files, named_files, open_text,
+    self, FolderError, Naming, Purpose, Request, ResultFolder, case_of, law_files, named_files, open_text,
 };
 use phisindy::{
     Case, Catalogue, Error, Folder, Format, Gap, Identified, Loaded, Method, Options, RecordError, Shown,
@@ -37,7 +37,8 @@ pub(crate) struct NativeCase {
 impl NativeCase {
     #[new]
     fn new(py: Python<'_>, text: &str, path: PathBuf) -> PyResult<NativeCase> {
-        let case = py.detach(|| Case::read(text)).map_err(|e| spec_error(py, &e))?;
+        let case = py.detach(|| case_of(text, &path, &Request::default()));
+        let case = case.map_err(|e| spec_error(py, &e))?;
         Ok(NativeCase { case, path })
     }
 

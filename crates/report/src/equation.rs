@@ -3,9 +3,9 @@
 mod linear_combination;
 
 use linear_combination::{LinearCombination, split};
-use phisindy_expr::{Binary, Graph, Id, Names, Node, Unary, latex_rate};
+use phisindy_expr::{Binary, Graph, Id, Names, Node, Unary, latex_name, latex_rate};
 use phisindy_learn::{FoundParameter, FoundTerm};
-use phisindy_phys::{Case, Impact, System};
+use phisindy_phys::{Case, Impact, Point, System};
 use std::collections::{HashMap, HashSet};
 use std::fmt::Write as _;
 
@@ -80,7 +80,7 @@ pub(crate) fn equations_of(
         shown
             .iter_mut()
             .zip(&system.states)
-            .for_each(|(shown, s)| *shown |= s.velocity.is_none() && !s.of_sensor);
+            .for_each(|(shown, s)| *shown |= s.velocity.is_none() && !s.hidden);
     }
     let mut writer = Writer::new(system, case, parameters);
     (0..system.states.len()).filter(|&k| shown[k]).map(|k| writer.equation(system, k, terms)).collect()
@@ -126,12 +126,22 @@ impl Writer {
     }
 
     /// The rate of a state. Of a speed of a mechanism the line says what changes its momentum: the rate has the whole
-    /// inverse of the mass matrix in it.
+    /// inverse of the mass matrix in it. Of a point of a structure it is the row of the point in the matrices.
     fn equation(&mut self, system: &System, state: usize, terms: &[FoundTerm]) -> Equation {
         let rate = self.right_side(system, state, system.known[state], terms, false);
+        let point = system.points.iter().find(|point| point.speed == state);
         let Some(&(_, momentum, force)) = system.momenta.iter().find(|(speed, ..)| *speed == state) else {
             return rate;
         };
+        if let Some(Point { of, name, .. }) = point {
+            let balance = self.right_side(system, state, force, terms, true);
+            let (_, right) = balance.latex.split_once(" = ").unwrap_or(("", &balance.latex));
+            let (of, name) = (latex_name(of), latex_name(name));
+            let latex = format!(
+                "\\left(M\\,\\ddot{{{of}}} + C\\,\\dot{{{of}}} + K\\,{of}\\right)_{{{name}}} = {right}"
+            );
+            return Equation { latex, ..rate };
+        }
         let momentum = self.filled(momentum);
         let sum = LinearCombination::of(&mut self.graph, momentum);
         let names = &self.names;

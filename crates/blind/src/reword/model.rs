@@ -232,7 +232,7 @@ fn turned_around(ast: &Ast, at: usize, text: &str) -> String {
     let of = |k: usize| turned_around(ast, k, text);
     let is_two = |k: usize| ast.nodes[k].kind == AstKind::Number(2.0);
     match &node.kind {
-        AstKind::Number(_) | AstKind::Name(_) => text[node.span.range()].to_owned(),
+        AstKind::Number(_) | AstKind::Name(_) | AstKind::Table { .. } => text[node.span.range()].to_owned(),
         AstKind::Unary(Unary::Neg, a) => format!("(-{})", of(*a)),
         AstKind::Binary(Binary::Add, a, b) => format!("({} + {})", of(*b), of(*a)),
         AstKind::Binary(Binary::Sub, a, b) => format!("(-{} + {})", of(*b), of(*a)),

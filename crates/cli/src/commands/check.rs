@@ -5,7 +5,7 @@ use crate::args::Options;
 use crate::terminal::{INPUT, complain, look, print, remark};
 use phisindy::files::Purpose;
 use phisindy_learn::suitable;
-use phisindy_phys::spec::Role;
+use phisindy_phys::spec::{Role, StructureSpec};
 use phisindy_report::sketch;
 use std::path::PathBuf;
 
@@ -28,6 +28,7 @@ pub(crate) fn check(specs: &[PathBuf], options: &Options) -> u8 {
                     n => format!(", {n} warnings"),
                 };
                 remark(&format!("{}: no mistakes{warned}", spec.display()));
+                loaded.parsed.structure.iter().filter_map(StructureSpec::note).for_each(|note| remark(&note));
                 if let Some(look) = look() {
                     return drawn(&sketch(&loaded.parsed, &loaded.case, look));
                 }

@@ -144,7 +144,8 @@ fn subject(
     let text = text.map_err(|d| vec![d])?;
     let shown = path.display().to_string();
     let source = sources.add(shown.clone(), text.clone());
-    let (spec, _) = spec::read(&text, source)?;
+    let files = files::named_numbers(&text, path, &options.request(), source)?;
+    let (spec, _) = spec::read_with_files(&text, source, &files)?;
     let (case, _) = phisindy_phys::check(&spec, source)?;
     if let Some(mistake) = export::refusal(&spec, &case, &shown, source) {
         return Err(vec![mistake]);

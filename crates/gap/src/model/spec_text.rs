@@ -61,12 +61,16 @@ pub(crate) fn text_with(
         rates: spec.known.iter().map(|(name, rate)| (name.value.clone(), rate.value.clone())).collect(),
         outputs: spec.outputs.iter().map(|(name, o)| (name.value.clone(), o.reads.value.clone())).collect(),
         contacts: spec.contacts.iter().map(|c| c.value.clone()).collect(),
-        forces: spec
-            .energy
-            .iter()
-            .flat_map(|e| &e.forces)
-            .map(|(force, along)| (force.value.clone(), along.value.clone()))
-            .collect(),
+        forces: {
+            let of_energy = spec.energy.iter().flat_map(|e| &e.forces).map(|force| ("energy", force));
+            let of_structure =
+                spec.structure.iter().flat_map(|s| &s.forces).map(|force| ("structure", force));
+            let text = |(field, (force, along)): (&'static str, &(_, _))| -> (&'static str, String, String) {
+                let of = |text: &phisindy_phys::spec::Text| text.value.clone();
+                (field, of(force), of(along))
+            };
+            of_energy.chain(of_structure).map(text).collect()
+        },
         inertia: spec.inertia.iter().map(|(name, m)| (name.value.clone(), m.value.clone())).collect(),
     };
     for applied in &model.effects {
@@ -90,8 +94,8 @@ struct Parts {
     rates: Vec<(String, String)>,
     outputs: Vec<(String, String)>,
     contacts: Vec<String>,
-    /// Forces of energies, each with the speed along which it acts.
-    forces: Vec<(String, String)>,
+    /// Forces of energies and structures: the field that holds it, the force, the speed along which it acts.
+    forces: Vec<(&'static str, String, String)>,
     inertia: Vec<(String, String)>,
 }
 
@@ -177,13 +181,13 @@ fn acting(
         text.set(&format!("outputs.{name}.reads"), &format!("\"{reads}\""))?;
     }
     // A force of energies is the key of its entry: another one adds what changes.
-    let more = parts.forces.iter().filter_map(|(force, along)| {
+    let more = parts.forces.iter().filter_map(|(field, force, along)| {
         let now = changed(force);
-        (now != *force).then(|| (format!("{now} - ({force})"), along.clone()))
+        (now != *force).then(|| (*field, format!("{now} - ({force})"), along.clone()))
     });
-    let more: Vec<(String, String)> = more.collect();
-    for (force, along) in &more {
-        text.set(&format!("energy.forces.\"{force}\""), &format!("\"{along}\""))?;
+    let more: Vec<(&'static str, String, String)> = more.collect();
+    for (field, force, along) in &more {
+        text.set(&format!("{field}.forces.\"{force}\""), &format!("\"{along}\""))?;
     }
     parts.forces.extend(more);
     // Its own states see the input as it is recorded.
@@ -228,7 +232,8 @@ fn force(
                 None if way < 0.0 => (format!("-{by}({force})"), name.as_str()),
                 None => (format!("{by}({force})"), name.as_str()),
             };
-            text.set(&format!("energy.forces.\"{signed}\""), &format!("\"{along}\""))?;
+            let field = model.given.spec.forces_along(name);
+            text.set(&format!("{field}.forces.\"{signed}\""), &format!("\"{along}\""))?;
             continue;
         }
         let follows: Vec<&(usize, usize, Id)> =

@@ -19,6 +19,17 @@ pub(crate) fn known_forces(system: &System, place: &Place) -> Vec<String> {
     let varies: Vec<Id> = displacements.into_iter().chain(inputs).chain([system.time]).collect();
     let mut all: Vec<String> = Vec::new();
     for &(state, _) in acts {
+        // The matrices of a structure are no forces that press at one of its points.
+        let point = system.points.iter().any(|point| point.speed == state);
+        let own = system.momenta.iter().find(|(speed, ..)| point && *speed == state);
+        if let Some(&(.., sum)) = own {
+            for term in
+                terms(&system.graph, sum).into_iter().filter(|&term| system.graph.uses(&[term], &varies))
+            {
+                all.push(system.graph.text(term, &system.names));
+            }
+            continue;
+        }
         let (rate, inertia) = (system.known[state], system.inertia[state]);
         // `(a + b)/m` is a sum of forces over the inertia.
         let (sum, factor) = match (system.graph.node(rate), inertia) {

@@ -104,7 +104,7 @@ impl<'a> Filter<'a> {
         let mut names = system.names.clone();
         let n = system.states.len();
         let forced: Vec<usize> =
-            (0..n).filter(|&k| system.states[k].velocity.is_none() && !system.states[k].of_sensor).collect();
+            (0..n).filter(|&k| system.states[k].velocity.is_none() && !system.states[k].hidden).collect();
         let mut rates = without_signs(&mut graph, &system.known);
         // Each force is a walk, less its slow part, less the slow part of what is left: three states of the
         // filter.

@@ -17,7 +17,7 @@ const GAIN: &str = "gain_of_";
 pub(super) fn parsed(text: &str) -> Result<Spec, Error> {
     let mut sources = Sources::default();
     let source = sources.add("the model", text.to_owned());
-    spec::read(text, source)
+    spec::read_without_files(text, source)
         .map(|(spec, _)| spec)
         .map_err(|mistakes| SpecError::new(mistakes, sources).into())
 }

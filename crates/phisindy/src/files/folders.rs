@@ -3,9 +3,11 @@
 
 use super::request::{Naming, Request};
 use phisindy_expr::Span;
-use phisindy_import::{DataFile, record, unreadable};
+use phisindy_import::{DataFile, numbers, record, unreadable};
 use phisindy_phys::spec::{self, CsvSpec, DataSpec, InputSpec, Text};
-use phisindy_phys::{Diagnostic, SourceId, Sources, Table, Units};
+use phisindy_phys::{
+    Diagnostic, Files, NamedFile, SourceId, Sources, Table, Units, named_files as spec_files,
+};
 use phisindy_report::spec_text::named_data;
 use std::fs::File;
 use std::io;
@@ -58,8 +60,8 @@ pub(crate) fn read(
 /// The data files that a spec names and that are there, in its order, each once: as it names them, and where they are.
 /// A result depends on them beside the text.
 pub fn named_files(text: &str, path: &Path, request: &Request) -> Vec<(String, PathBuf)> {
-    let Ok((spec, _)) = spec::read(text, SourceId(0)) else { return vec![] };
     let folders = Folders::new(request, path, text);
+    let Ok((spec, _)) = spec::read_without_files(text, SourceId(0)) else { return vec![] };
     let inputs = |record: &DataSpec| -> Vec<Text> {
         match record {
             DataSpec::Csv(csv) => {
@@ -77,13 +79,27 @@ pub fn named_files(text: &str, path: &Path, request: &Request) -> Vec<(String, P
         }
     };
     let mut all: Vec<(String, PathBuf)> = Vec::new();
-    for name in spec.data.iter().flat_map(inputs) {
+    let beside = spec_files(text).into_iter().map(|file| Text { value: file.path, span: file.span });
+    for name in beside.chain(spec.data.iter().flat_map(inputs)) {
         if all.iter().all(|(other, _)| *other != name.value) {
             let found = folders.find(&name.value, SourceId(0), name.span);
             all.extend(found.ok().map(|path| (name.value, path)));
         }
     }
     all
+}
+
+/// The numbers of the files that a spec names beside its records, which lie where its data files do.
+///
+/// # Errors
+/// A file is not found, or holds something else.
+pub fn named_numbers(
+    text: &str,
+    path: &Path,
+    request: &Request,
+    source: SourceId,
+) -> Result<Files, Vec<Diagnostic>> {
+    Folders::new(request, path, text).numbers(text, source)
 }
 
 /// Folders of data files, in the order in which they are searched.
@@ -110,6 +126,27 @@ impl Folders {
         folders
             .extend(named.into_iter().map(|folder| (beside.join(folder), "named in the head of the spec")));
         Folders { folders, given, naming: request.naming }
+    }
+
+    /// The numbers of the files that a spec names beside its records.
+    ///
+    /// # Errors
+    /// A file is not found, or holds something else.
+    pub(crate) fn numbers(&self, text: &str, source: SourceId) -> Result<Files, Vec<Diagnostic>> {
+        let read = |file: NamedFile| {
+            let found = self.find(&file.path, source, file.span).map_err(Missing::diagnostic)?;
+            let opened = opened(&found, &file.path, (source, file.span)).map_err(|d| *d)?;
+            let numbers = numbers(opened, file.array.as_deref(), (source, file.span)).map_err(|d| *d)?;
+            Ok((file, numbers))
+        };
+        let (mut all, mut wrong) = (vec![], vec![]);
+        for found in spec_files(text).into_iter().map(read) {
+            match found {
+                Ok(found) => all.push(found),
+                Err(why) => wrong.push(why),
+            }
+        }
+        if wrong.is_empty() { Ok(all.into_iter().collect()) } else { Err(wrong) }
     }
 
     /// The file of this name, which stands at `at` in the spec.

@@ -6,6 +6,7 @@ use super::laws;
 use super::request::{Assignment, Request};
 use super::streams::{self, Part};
 use super::trends::Trends;
+use crate::case;
 use crate::error::{Error, SpecError};
 use crate::laws::Catalogue;
 use crate::loaded::{Laws, Loaded, NotWritten, checked};
@@ -81,7 +82,12 @@ pub fn load_text(
     let shown = path.display().to_string();
     let name = if request.assignments.is_empty() { shown.clone() } else { format!("{shown} (after --set)") };
     let source = sources.add(name, text.clone());
-    let (parsed, case) = match checked(&text, source) {
+    let folders = Folders::new(request, path, &text);
+    let given = folders.numbers(&text, source).map_err(|mistakes| {
+        found.extend(mistakes);
+        Refusal::Input
+    })?;
+    let (parsed, case) = match checked(&text, source, &given) {
         Ok((parsed, case, warnings)) => {
             found.extend(warnings);
             found.extend(open_questions(&text, source));
@@ -109,15 +115,8 @@ pub fn load_text(
         found.extend(mistakes);
         Refusal::Input
     })?;
-    let mut loader = Loader {
-        request,
-        source,
-        folders: Folders::new(request, path, &text),
-        sources,
-        found,
-        trends: Trends::default(),
-        suspected: vec![],
-    };
+    let mut loader =
+        Loader { request, source, folders, sources, found, trends: Trends::default(), suspected: vec![] };
     let (records, truths) = loader.records(&case, purpose)?;
     let given = text.clone();
     let loaded = Loaded { spec: shown, given, text, parsed, case, records, truths, doubts: vec![] };
@@ -153,6 +152,19 @@ pub fn open(path: &Path, request: &Request) -> Result<Loaded, Error> {
     match load(path, request, Purpose::Gap, &mut sources, &mut found) {
         Ok(loaded) => Ok(Loaded { doubts: found.into_iter().map(|d| d.message).collect(), ..loaded }),
         Err(Refusal::Input | Refusal::Numerics) => Err(SpecError::new(found, sources).into()),
+    }
+}
+
+/// Reads a case from a text, and the files that it names beside its records; `path` says where they are.
+///
+/// # Errors
+/// All mistakes of the text and of these files.
+pub fn case_of(text: &str, path: &Path, request: &Request) -> Result<case::Case, SpecError> {
+    let mut sources = Sources::default();
+    let source = sources.add("spec", text);
+    match Folders::new(request, path, text).numbers(text, source) {
+        Ok(files) => case::Case::read_with(text, &files),
+        Err(mistakes) => Err(SpecError::new(mistakes, sources)),
     }
 }
 
@@ -445,6 +457,9 @@ impl<'r> Loader<'r> {
         if let Ok(record) = &record {
             for suspicion in suspicions(&case.system, record) {
                 self.warn_of(&record.name, suspicion.to_string());
+            }
+            for beyond in case.system.beyond_tables(record) {
+                self.warn_of(&record.name, beyond);
             }
         }
         record.map(Some).map_err(|mistakes| {

@@ -6,6 +6,7 @@ use super::{INPUT, Law};
 use crate::system::check::declared_names;
 use crate::text::diagnostic::{Diagnostic, SourceId};
 use crate::text::fields;
+use crate::text::files::Files;
 use crate::text::raw::{self, Node};
 use crate::text::spec::group::Fields;
 use crate::text::spec::reader::Reader;
@@ -49,7 +50,7 @@ impl Law {
     /// ```
     pub fn checked(text: &str, source: SourceId) -> Result<Law, Vec<Diagnostic>> {
         let root = raw::parse(text).map_err(|mistake| vec![mistake.diagnostic(source)])?;
-        let mut reader = Reader::new(text, source);
+        let mut reader = Reader::new(text, source, None);
         let written = reader.law(&root);
         if let Some(written) = written.filter(|_| reader.found.is_empty()) {
             reader.meaning(&written, root.span);
@@ -65,7 +66,7 @@ impl Law {
     /// The laws that this law names and `known` does not hold, as warnings with their places in its text.
     pub fn unknown_references(text: &str, source: SourceId, known: &[&str]) -> Vec<Diagnostic> {
         let Ok(root) = raw::parse(text) else { return vec![] };
-        let mut reader = Reader::new(text, source);
+        let mut reader = Reader::new(text, source, None);
         let mut names: Vec<Text> = Vec::new();
         for entry in &root.entries {
             let field = entry.key.as_ref().map_or("", |key| reader.slice(key.span));
@@ -388,6 +389,8 @@ impl Written {
         let output =
             |(field, text): &(&str, Text)| (put(field), OutputSpec { unit: put("N"), reads: text.clone() });
         Spec {
+            structure: None,
+            files: Files::default(),
             title: None,
             constants,
             states: self.internal.iter().map(|(name, unit, _)| (name.clone(), unit.clone())).collect(),

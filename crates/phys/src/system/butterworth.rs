@@ -31,7 +31,7 @@ impl System {
         for k in 0..order {
             // A space keeps the name out of reach of any expression.
             let k = self.add_state(&format!("{name} {} {}", kind.name(), k + 1), &unit);
-            self.states[k].of_sensor = true;
+            self.states[k].hidden = true;
         }
         self.filters.push(Filter { output, kind, order, cutoff, own_parameter, first, settled: vec![] });
     }

@@ -8,12 +8,14 @@ mod filters;
 mod jumps;
 mod rates;
 mod record;
+mod structure;
 mod synthetic;
 
 use crate::system::equations::System;
 use crate::system::plan::RecordPlan;
 use crate::system::requirement::Requirement;
 use crate::text::diagnostic::{Diagnostic, Severity, SourceId};
+use crate::text::files::Files;
 use crate::text::spec::{ConstantSpec, DataSpec, Find, LearnSpec, Spec, Text};
 use crate::units::dimensions::dimensions;
 use checker::Checker;
@@ -104,7 +106,7 @@ fn checked(
     source: SourceId,
     measured: bool,
 ) -> Result<(Case, Vec<Diagnostic>), Vec<Diagnostic>> {
-    let mut checker = Checker::new(source);
+    let mut checker = Checker::new(source, &spec.files);
     let mut system = checker.system(spec);
     let records = plan_records(&mut checker, spec, &system);
     checker.unused_constants(spec);
@@ -184,7 +186,7 @@ fn with_constants(spec: &Spec, source: SourceId, mut timing: HashSet<String>) ->
             each: false,
         });
     }
-    let mut checker = Checker::new(source);
+    let mut checker = Checker::new(source, &spec.files);
     let mut system = checker.system(&freed);
     let sound = !checker.diagnostics.iter().any(Diagnostic::is_error);
     let estimated = !system.terms.is_empty() || system.parameters.len() > held.len();
@@ -210,7 +212,7 @@ pub(crate) fn declared_names<'n>(
     source: SourceId,
     names: impl IntoIterator<Item = (&'n Text, &'static str)>,
 ) -> Vec<Diagnostic> {
-    let mut checker = Checker::new(source);
+    let mut checker = Checker::new(source, &Files::default());
     for (name, what) in names {
         checker.declare(name, what);
     }

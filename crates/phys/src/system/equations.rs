@@ -4,6 +4,7 @@
 use crate::system::filter::Filter;
 use crate::system::impact::{Impact, Rebound};
 use crate::system::model::Model;
+use crate::text::files::Files;
 use crate::units::unit::{Dimension, Unit};
 use phisindy_expr::{Graph, Id, Names, Node, Unary};
 use std::collections::HashMap;
@@ -21,8 +22,8 @@ pub struct State {
     pub node: Id,
     /// If its known rate is exactly another state: that state, its velocity.
     pub velocity: Option<usize>,
-    /// Whether it is of a sensor's filter and not of the rig: nothing acts on it.
-    pub of_sensor: bool,
+    /// Whether it is of a sensor's filter, or a mode of a structure: nothing acts on it alone, and no result shows it.
+    pub hidden: bool,
     /// For the memory of a law: how large it becomes along the records (SI). It starts somewhere between
     /// minus and plus this; for any other state nothing is believed beforehand.
     pub memory: Option<f64>,
@@ -141,6 +142,28 @@ pub struct Constraint {
     pub rate: Id,
 }
 
+/// A point of a structure of matrices.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Point {
+    /// Its speed, which is a state.
+    pub speed: usize,
+    /// What the coordinates of the structure are called.
+    pub of: String,
+    /// What it is called itself.
+    pub name: String,
+}
+
+/// A table of a file that an expression reads.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TableRead {
+    /// The file, as the spec names it.
+    pub path: String,
+    /// Its argument.
+    pub of: Id,
+    /// Its first and last point (SI): beyond them it goes on with the slope of its end.
+    pub within: (f64, f64),
+}
+
 /// A checked system.
 #[derive(Clone, Debug)]
 pub struct System {
@@ -190,6 +213,12 @@ pub struct System {
     pub places: Vec<NamedPlace>,
     /// In the order of the spec.
     pub impacts: Vec<Impact>,
+    /// The points of a structure of matrices.
+    pub points: Vec<Point>,
+    /// The tables that its expressions read.
+    pub tables: Vec<TableRead>,
+    /// The files that the spec names beside its records: a text that is made of it needs the same.
+    pub files: Files,
 }
 
 impl System {
@@ -284,7 +313,7 @@ impl System {
     pub fn motion_column(&self, k: usize) -> Option<String> {
         let name = self.measured(k).0;
         match k.checked_sub(self.states.len()) {
-            None => (!self.states[k].of_sensor).then(|| name.to_owned()),
+            None => (!self.states[k].hidden).then(|| name.to_owned()),
             Some(_) if self.state(name).is_some() => Some(format!("{name}_filtered")),
             Some(_) => Some(name.to_owned()),
         }
@@ -349,7 +378,7 @@ impl System {
             factor,
             node,
             velocity: None,
-            of_sensor: false,
+            hidden: false,
             memory: None,
         });
         self.known.push(self.graph.constant(0.0));

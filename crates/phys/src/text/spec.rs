@@ -11,16 +11,21 @@ mod input;
 mod leaf;
 mod learn;
 mod limits;
+mod modes;
 mod read;
 pub(crate) mod reader;
 mod record;
 mod size;
 mod stream;
+mod structure;
 
 pub use energy::EnergySpec;
 pub use limits::LimitsSpec;
-pub use read::{read, read_without_data};
+pub use modes::Modes;
+pub use read::{read, read_in_memory, read_with_files, read_without_data, read_without_files};
+pub use structure::{PointSpec, StructureSpec};
 
+use crate::text::files::Files;
 use phisindy_expr::Span;
 use phisindy_signal::{Detrend, Differentiator, Interpolation};
 
@@ -56,6 +61,9 @@ pub struct Spec {
     /// The energies of a mechanism. Its coordinates and speeds are among [`Spec::states`], the rates of its
     /// coordinates in [`Spec::known`].
     pub energy: Option<EnergySpec>,
+    /// A structure from matrices. Its points and modes are among [`Spec::states`], the rates of their displacements in
+    /// [`Spec::known`].
+    pub structure: Option<StructureSpec>,
     /// The known rate of each state.
     pub known: Vec<(Text, Text)>,
     /// What turns a force into the rate of a state; 1 where nothing is given.
@@ -76,12 +84,21 @@ pub struct Spec {
     pub data: Vec<DataSpec>,
     /// How to identify.
     pub learn: LearnSpec,
+    /// The numbers of the files that the text names beside its records.
+    pub files: Files,
 }
 
 impl Spec {
-    /// Whether a state is a speed whose rate follows from energies: what acts along it is then a force.
+    /// Whether a state is a speed whose rate follows from energies or matrices: what acts along it is then a force.
     pub fn is_moved(&self, state: &str) -> bool {
-        self.energy.iter().flat_map(|e| &e.coordinates).any(|(_, (speed, _))| speed.value == state)
+        let of_energy =
+            self.energy.iter().flat_map(|e| &e.coordinates).any(|(_, (speed, _))| speed.value == state);
+        of_energy || self.structure.iter().any(|structure| structure.moves(state))
+    }
+
+    /// The field with the forces along a speed whose rate follows from energies or matrices.
+    pub fn forces_along(&self, state: &str) -> &'static str {
+        if self.structure.iter().any(|structure| structure.moves(state)) { "structure" } else { "energy" }
     }
 }
 

@@ -120,6 +120,9 @@ impl<'s> Survey<'s> {
             self.names.insert(&name.value, Quantity { value: None, ..found });
         }
         self.energies();
+        for (force, point) in spec.structure.iter().flat_map(|s| &s.forces) {
+            self.force_at(force, point);
+        }
         for (name, text) in &spec.known {
             self.rate(name, text, "its rate");
         }
@@ -297,6 +300,24 @@ impl<'s> Survey<'s> {
         }
     }
 
+    /// A force at a point, or along a speed, of a structure.
+    fn force_at(&mut self, force: &'s Text, at: &'s Text) {
+        let Some(structure) = &self.spec.structure else { return };
+        let speed = format!("{}_{}_speed", structure.coordinates.value, at.value);
+        let watt =
+            Measure::Fixed(Form::known(Dimension::NEWTON.mul(Dimension::METRE).div(Dimension::SECOND)));
+        let along = match self.names.get(speed.as_str()).map(|q| q.measure.clone()) {
+            Some(measure) => measure,
+            None => self.plain(at),
+        };
+        let (due, is) = (watt.times(&along, -1.0), self.plain(force));
+        if let Some((due, is)) = self.differ(&due, &is) {
+            let missing = self.suggestion(&due, &is);
+            let mistake = self.words.energy("a force at a point", force, [&due, &is], missing);
+            self.mistakes.push(mistake);
+        }
+    }
+
     /// What an expression measures if its literals are numbers without a unit: the half of a kinetic energy is one.
     fn plain(&mut self, text: &Text) -> Measure {
         let found = self.measure(text);
@@ -310,6 +331,13 @@ impl<'s> Survey<'s> {
                 let said = self.mistakes.len();
                 let work = self.plain(&energy.kinetic);
                 self.mistakes.truncate(said);
+                let second = Measure::Fixed(Form::known(Dimension::SECOND));
+                let speed = self.names.get(state).map_or(Measure::Loose(None), |q| q.measure.clone());
+                work.times(&speed.times(&second, 1.0), -1.0)
+            }
+            // Work over the displacement of a point.
+            None if self.spec.is_moved(state) => {
+                let work = Measure::Fixed(Form::known(Dimension::NEWTON.mul(Dimension::METRE)));
                 let second = Measure::Fixed(Form::known(Dimension::SECOND));
                 let speed = self.names.get(state).map_or(Measure::Loose(None), |q| q.measure.clone());
                 work.times(&speed.times(&second, 1.0), -1.0)
@@ -510,10 +538,19 @@ impl<'s> Survey<'s> {
         };
         let of = |name: &str| names.get(name).cloned().or_else(|| rate(name));
         let time = names.get("t").map_or(second.clone(), |t| t.measure.clone());
-        let found = infer(&ast, of, &time, &mut self.unknowns, &mut conflicts);
+        let files = &self.spec.files;
+        // A column without a unit takes whatever fits.
+        let column = |path: &str, k: usize| {
+            let unit = files.numbers(path, None).and_then(|table| table.headings.get(k)?.1.clone());
+            let unit = unit.and_then(|unit| Unit::parse(&unit).ok());
+            unit.map_or(Measure::Loose(None), |unit| Measure::Fixed(Form::known(unit.dimension)))
+        };
+        let tables = |path: &str| [0, 1].map(|k| column(path, k));
+        let found = infer(&ast, of, (&time, &tables), &mut self.unknowns, &mut conflicts);
         for conflict in conflicts {
             let missing = match &conflict {
                 Conflict::Operands { left: (_, due), right: (_, is), .. } => self.suggestion(due, is),
+                Conflict::Table { due, form, .. } => self.suggestion(due, form),
                 Conflict::Argument { form, .. }
                 | Conflict::Time { form, .. }
                 | Conflict::Exponent { form, .. }

@@ -80,7 +80,7 @@ fn depends_on(system: &System, body: &Moving, force: Id) -> Option<Id> {
     let below = graph.reachable(&[force]);
     let own = (0..system.states.len()).filter(|&k| {
         let state = &system.states[k];
-        !state.of_sensor && (state.velocity.is_some() || is_speed(system, body, k))
+        !state.hidden && (state.velocity.is_some() || is_speed(system, body, k))
     });
     let own = own.map(|k| system.states[k].node);
     let contacts = system.contacts.iter().map(|c| c.node);

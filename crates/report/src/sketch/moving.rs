@@ -29,7 +29,7 @@ pub(super) fn bodies(system: &mut System, probe: &Probe) -> Vec<Moving> {
     let speed = Dimension::METRE.div(Dimension::SECOND);
     let rubs = |k: usize| system.contacts.iter().any(|c| c.node == states[k].node);
     let of = |k: usize| {
-        if states[k].velocity.is_some() || states[k].of_sensor {
+        if states[k].velocity.is_some() || states[k].hidden {
             return None;
         }
         let displacement = states.iter().position(|s| s.velocity == Some(k));

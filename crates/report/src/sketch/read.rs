@@ -140,7 +140,7 @@ impl Reading {
     /// The states that are no motion of a body.
     fn others(&self) -> Vec<usize> {
         let moving = |k: &usize| self.bodies.iter().any(|b| b.displacement == Some(*k) || b.speed == *k);
-        (0..self.system.states.len()).filter(|k| !moving(k) && !self.system.states[*k].of_sensor).collect()
+        (0..self.system.states.len()).filter(|k| !moving(k) && !self.system.states[*k].hidden).collect()
     }
 
     /// Bodies of a mechanism that move each other by their masses.

@@ -42,7 +42,7 @@ pub fn completed(report: &GapReport<'_>) -> (String, Option<String>) {
 /// In words: the text has no place for a value.
 fn filled(input: Input<'_>, found: &Gap) -> Result<String, String> {
     let mut text = Text(found.completed.clone());
-    let (spec, _) = spec::read(&text.0, SourceId(0)).map_err(|d| first(&d))?;
+    let (spec, _) = spec::read_with_files(&text.0, SourceId(0), &input.spec.files).map_err(|d| first(&d))?;
     let measured = |r: usize| matches!(spec.data.get(r), Some(DataSpec::Csv(_)));
     for p in &found.parameters {
         let (Some(owner), Some((column, part))) = (p.id.record(), sensor_of(p)) else { continue };
@@ -63,7 +63,7 @@ fn filled(input: Input<'_>, found: &Gap) -> Result<String, String> {
             }
         }
     }
-    let (spec, _) = spec::read(&text.0, SourceId(0)).map_err(|d| first(&d))?;
+    let (spec, _) = spec::read_with_files(&text.0, SourceId(0), &input.spec.files).map_err(|d| first(&d))?;
     phisindy_phys::check_names(&spec, SourceId(0)).map_err(|d| first(&d))?;
     Ok(text.0)
 }

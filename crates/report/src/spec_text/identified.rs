@@ -57,7 +57,7 @@ pub fn identified(input: Input<'_>, found: &Identified) -> Result<String, String
         env!("CARGO_PKG_VERSION")
     );
     let text = head + &text.0;
-    let (spec, _) = spec::read(&text, SourceId(0)).map_err(|d| first(&d))?;
+    let (spec, _) = spec::read_with_files(&text, SourceId(0), &input.spec.files).map_err(|d| first(&d))?;
     phisindy_phys::check(&spec, SourceId(0)).map_err(|d| first(&d))?;
     Ok(text)
 }
@@ -93,7 +93,7 @@ fn rates(text: &mut Text, spec: &Spec, input: Input<'_>, found: &Identified) -> 
         }
         let whole = rate(known, unknown, &terms);
         if moved {
-            text.set(&["energy", "forces", &whole], &format!("\"{}\"", state.name))?;
+            text.set(&[spec.forces_along(&state.name), "forces", &whole], &format!("\"{}\"", state.name))?;
         } else {
             text.set(&["known", &state.name], &format!("\"{whole}\""))?;
         }

@@ -1,7 +1,10 @@
 //! The state of a check: names so far, expressions lowered among them, and what was found wrong.
 
 use crate::system::constants::Constants;
+use crate::system::curve::Curve;
+use crate::system::equations::TableRead;
 use crate::text::diagnostic::{Diagnostic, SourceId};
+use crate::text::files::Files;
 use crate::text::spec::{Number, Text};
 use crate::units::unit::{Scale, Unit};
 use phisindy_expr::{Graph, Id, Names, Span, Symbol, nearest, ops, parse_with};
@@ -27,12 +30,16 @@ pub(super) struct Checker {
     pub(super) timing: HashSet<String>,
     /// Laws of the catalogue that `unknown` names, each with its state.
     pub(super) laws: Vec<(usize, Text)>,
+    /// The files that the spec names beside its records.
+    files: Files,
+    /// Tables that some expression reads.
+    pub(super) tables: Vec<TableRead>,
     /// What `unknown` asks a formula for.
     pub(super) searches: Vec<(usize, Vec<Text>)>,
 }
 
 impl Checker {
-    pub(super) fn new(source: SourceId) -> Self {
+    pub(super) fn new(source: SourceId, files: &Files) -> Self {
         Checker {
             source,
             graph: Graph::default(),
@@ -45,6 +52,8 @@ impl Checker {
             timing: HashSet::new(),
             laws: vec![],
             searches: vec![],
+            files: files.clone(),
+            tables: vec![],
         }
     }
 
@@ -91,7 +100,7 @@ impl Checker {
             self.error(format!("a name has at most {LONGEST_NAME} letters"), name.span, "")
                 .help
                 .push("shorten it: it stands in tables and in names of files".into());
-        } else if text == "t" || text == "pi" || ops::function(text).is_some() {
+        } else if ["t", "pi", "table"].contains(&text) || ops::function(text).is_some() {
             self.error(
                 format!("`{text}` has a meaning of its own and cannot name {article} {what}"),
                 name.span,
@@ -164,7 +173,44 @@ impl Checker {
         }
         let (names, constants) = (&self.names, &self.constants);
         let known = |name: &str| allowed.contains(&name) || constants.knows(name);
-        let lowered = self.graph.lower(&ast, |name| known(name).then(|| names.get(name)).flatten());
+        let files = &self.files;
+        let (mut wrong, mut read) = (Vec::new(), Vec::new());
+        let table = |graph: &mut Graph, path: &str, cubic: bool, of: Id| {
+            // Whoever read the spec has told of a file that is missing.
+            let numbers = files.numbers(path, None)?;
+            Some(match Curve::of(numbers) {
+                Ok(curve) => {
+                    let value = curve.value(graph, of, cubic);
+                    read.push(TableRead { path: path.to_owned(), of, within: curve.within() });
+                    value
+                }
+                Err(why) => {
+                    wrong.push((path.to_owned(), why));
+                    of
+                }
+            })
+        };
+        let resolve = |name: &str| known(name).then(|| names.get(name)).flatten();
+        let lowered = self.graph.lower_with(&ast, resolve, table);
+        for table in read {
+            // A name of `let` stands for what it is.
+            let of = self.graph.replace(&[table.of], &self.definitions)[0];
+            let table = TableRead { of: self.constants.folded(&mut self.graph, of), ..table };
+            if !self.tables.contains(&table) {
+                self.tables.push(table);
+            }
+        }
+        if let Some((path, why)) = wrong.into_iter().next() {
+            let at = ast
+                .files()
+                .find(|(own, _)| *own == path)
+                .map_or(text.span, |(_, at)| at.shifted(text.span.start));
+            self.error(format!("`{path}`: {why}"), at, "").help.push(
+                "two columns: the argument, which grows, and the value; more points than needed cost time"
+                    .into(),
+            );
+            return None;
+        }
         match lowered {
             Ok(root) => {
                 let root = self.graph.replace(&[root], &self.definitions)[0];

@@ -1,7 +1,7 @@
 //! Energies to the rates of their speeds.
 
 use super::checker::Checker;
-use crate::system::equations::Constraint;
+use crate::system::equations::{Constraint, Point};
 use crate::system::lagrange::{Energies, Equations, NoEquations, mobility};
 use crate::text::spec::{EnergySpec, Spec, Text};
 use phisindy_expr::{Id, Scratch, Tape};
@@ -23,6 +23,8 @@ pub(super) struct Mechanism {
     /// A speed, another one, and the rate of the latter for a rate of 1 that a force along the former makes.
     pub(super) coupling: Vec<(usize, usize, Id)>,
     pub(super) constraints: Vec<Constraint>,
+    /// The points of a structure.
+    pub(super) points: Vec<Point>,
 }
 
 impl Checker {

@@ -168,7 +168,7 @@ fn names_below(ast: &Ast, root: usize) -> Vec<String> {
         match &ast.nodes[k].kind {
             AstKind::Name(name) => names.push(name.clone()),
             AstKind::Number(_) => {}
-            AstKind::Unary(_, a) => waiting.push(*a),
+            AstKind::Unary(_, a) | AstKind::Table { of: a, .. } => waiting.push(*a),
             AstKind::Binary(_, a, b) => waiting.extend([*a, *b]),
         }
     }

@@ -23,7 +23,7 @@ impl Checker {
                 factor,
                 node,
                 velocity: None,
-                of_sensor: false,
+                hidden: false,
                 memory: None,
             });
         }
@@ -75,9 +75,12 @@ impl Checker {
         });
         let nodes: Vec<Id> = states.iter().map(|s| s.node).collect();
         let mechanism = self.mechanism(spec, &allowed, &nodes, time);
+        let mut mechanism = mechanism;
+        self.structure(spec, &allowed, &mut states, &mut mechanism);
         mechanism.rates.iter().for_each(|&(k, rate)| known[k] = rate);
         let moves = |name: &str| spec.is_moved(name) || spec.known.iter().any(|(k, _)| k.value == name);
-        for (name, _) in spec.states.iter().filter(|(n, _)| !moves(&n.value)) {
+        let hidden = |name: &str| states.iter().any(|s| s.hidden && s.name == name);
+        for (name, _) in spec.states.iter().filter(|(n, _)| !moves(&n.value) && !hidden(&n.value)) {
             self.error(format!("state `{}` has no rate", name.value), name.span, "declared here")
                 .help
                 .push(format!("add `\"{}\": \"...\"` to `known`; the rate may be \"0\"", name.value));
@@ -89,7 +92,6 @@ impl Checker {
                 checker.error(message, text.span, "").help.push("a force over it is an acceleration".into());
             }
         });
-        let mut mechanism = mechanism;
         self.inertia_matrix(spec, &allowed, &inertia, &mut mechanism);
         mechanism.inertia.iter().for_each(|&(k, own)| inertia[k] = Some(own));
         for k in 0..states.len() {
@@ -131,6 +133,9 @@ impl Checker {
             contacts,
             places,
             impacts: vec![],
+            points: mechanism.points,
+            tables: self.tables.clone(),
+            files: spec.files.clone(),
         };
         self.impacts(spec, &allowed, &mut system);
         self.filters(spec, &mut system);

@@ -140,8 +140,7 @@ impl Checker {
         let (n, columns) = (system.states.len(), system.columns());
         let Some(list) = &data.measure else {
             let declared = system.outputs.iter().any(|o| system.state(&o.name).is_none());
-            let own =
-                |k: usize| system.column(&system.states[k].name) == Some(k) && !system.states[k].of_sensor;
+            let own = |k: usize| system.column(&system.states[k].name) == Some(k) && !system.states[k].hidden;
             let recorded = |k| k >= n || (!declared && own(k));
             return ((0..columns).map(recorded).collect(), vec![false; system.inputs.len()]);
         };

@@ -4,7 +4,8 @@
 use super::Absent::{Is, Needed, Without};
 use super::Form::{self, *};
 use super::Kind::{
-    Constant, Definition, Given, Grid, Impact, Input, Internal, Output, Parameter, Place, Role, Speed, State,
+    Constant, Definition, Given, Grid, Impact, Input, Internal, Output, Parameter, Place, Point, Role, Speed,
+    State,
 };
 use super::{Field, Group};
 
@@ -30,6 +31,7 @@ const TIME: Form = One(&[Header, Tuple(&[Header, Unit]), Call("Rate", &[Number])
 const PER: Form = Tuple(&[Unit, Number]);
 /// A number or an expression of numbers.
 const TURN: Form = One(&[Number, Expression]);
+const MATRIX: Form = One(&[File, Tuple(&[File, Free])]);
 const ROLE: Form = One(&[Word("Fit"), Word("Validate")]);
 const INTERPOLATION: Form = One(&[Word("Linear"), Word("Hold"), Word("Cubic")]);
 const DIFFERENTIATOR: Form = One(&[Word("Spectral"), Word("SavitzkyGolay"), Word("Spline")]);
@@ -77,6 +79,7 @@ group! { SPEC = "the spec", None;
     Field("outputs", Map(&Declares(Output), &Group(&OUTPUT)), "map of names to [outputs](#an-output): what a sensor reads that is neither a state nor an input, such as an acceleration, a force or a strain", Is("none")),
     Field("let", Map(&Declares(Definition), &Expression), "map of names to expressions, each of which may use those before it: `{ \"slip\": \"r*w - v\" }`; used in all that follows", Is("none")),
     Field("energy", Group(&ENERGY), "[energies of a mechanism](#energy): in the place of the rates of its coordinates and speeds, which are not listed in `states` and `known` then (leave these out where nothing else moves)", Is("the rates are written out")),
+    Field("structure", Group(&STRUCTURE), "[matrices of a structure](#structure) from files: its points are states then, with speeds, and are not listed in `states` and `known`", Is("none")),
     Field("known", Map(&STATE, &Expression), "the rate of each state, as far as you know it; `x` counts as the displacement of `v` if its rate is exactly `\"v\"`", Without("energy")),
     Field("inertia", Map(&STATE, &One(&[Expression, Map(&STATE, &Expression)])), "the mass that belongs to a velocity; results are then in newtons. Or the rows of a matrix, `{ \"v\": { \"v\": \"M+m\", \"w\": \"m*l*cos(th)\" }, \"w\": \"m*l^2\" }`: a force along `v` then moves `w` too. If you solved the rates by hand, `gap` reads this from an input that is a force along `v`, where the inertia depends on a state", Is("forces are given per unit of mass")),
     Field("unknown", Map(&STATE, &Group(&UNKNOWN)), "[what might be missing](#an-unknown-part), for each rate that may lack something", Is("nothing is missing")),
@@ -95,6 +98,23 @@ group! { ENERGY = "`energy`", None;
     Field("dissipation", Expression, "a function whose derivative by a speed is the force that is lost there: `\"c*v^2/2\"` for a damper, `\"Fc*|v|\"` for dry friction", Is("nothing is lost")),
     Field("forces", Map(&Free, &Expression), "each force with the speed along which it acts: an expression that is linear in speeds, `\"v\"` or `\"r*w - v\"`", Is("none")),
     Field("constraints", List(&Expression), "what closes loops: expressions of coordinates, constants and `t` that are zero, `[\"r*cos(a) + l*cos(b) - x\", \"r*sin(a) + l*sin(b)\"]`", Is("no loops")),
+}
+
+group! { STRUCTURE = "`structure`", None;
+    Field("mass", MATRIX, "the mass matrix: a file, `\"M.mtx\"` (Matrix Market, text, NumPy, MATLAB), or a file and the name of an array in it, `(\"model.npz\", \"M\")`; SI units", Needed),
+    Field("stiffness", MATRIX, "the stiffness matrix", Needed),
+    Field("damping", One(&[File, Tuple(&[File, Free]), Number, List(&Number)]), "the damping matrix; or the ratio of all modes, `0.01`; or one for each, `[0.01, 0.02]`, of which the last counts for all others", Is("no damping")),
+    Field("coordinates", Free, "what its coordinates are called: with `\"q\"` the point `tip` moves by the state `q_tip` at the speed `q_tip_speed`", Needed),
+    Field("points", Map(&Declares(Point), &One(&[Whole, Group(&POINT)])), "map of names to degrees of freedom, counted from 1, or to [points](#a-point)", Needed),
+    Field("forces", Map(&Free, &Expression), "each force with the point at which it acts, `{ \"F\": \"tip\" }`, or the speed of points, `\"q_tip_speed - q_joint_speed\"`", Is("none")),
+    Field("modes", Whole, "how many modes are kept, from the slowest on", Is("all")),
+    Field("band", BOUNDS, "only modes whose frequencies lie between these (Hz) are kept", Is("all")),
+}
+
+group! { POINT = "a point", None;
+    Field("dof", Whole, "its degree of freedom, counted from 1", Without("row")),
+    Field("row", MATRIX, "a file with one number for each degree of freedom: how far the point moves with it", Without("dof")),
+    Field("unit", Unit, "the unit of its displacement; the matrices are in SI", Is("`m`")),
 }
 
 group! { PLACE = "a place", None;

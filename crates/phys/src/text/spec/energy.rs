@@ -27,13 +27,7 @@ impl EnergySpec {
     /// Coordinates and speeds as states with their units, in the order `x, v, y, w`.
     pub(crate) fn states(&self) -> impl Iterator<Item = (Text, Text)> {
         self.coordinates.iter().flat_map(|(coordinate, (speed, unit))| {
-            let per_second = match unit.value.trim() {
-                "" => String::new(),
-                plain if plain.contains(['/', '*', ' ']) => format!("({plain})/s"),
-                plain => format!("{plain}/s"),
-            };
-            let of_speed = Spanned { value: per_second, span: unit.span };
-            [(coordinate.clone(), unit.clone()), (speed.clone(), of_speed)]
+            [(coordinate.clone(), unit.clone()), (speed.clone(), per_second(unit))]
         })
     }
 
@@ -41,6 +35,16 @@ impl EnergySpec {
     pub(crate) fn rates(&self) -> impl Iterator<Item = (Text, Text)> {
         self.coordinates.iter().map(|(coordinate, (speed, _))| (coordinate.clone(), speed.clone()))
     }
+}
+
+/// The unit of what changes in a second.
+pub(super) fn per_second(unit: &Text) -> Text {
+    let value = match unit.value.trim() {
+        "" => String::new(),
+        plain if plain.contains(['/', '*', ' ']) => format!("({plain})/s"),
+        plain => format!("{plain}/s"),
+    };
+    Spanned { value, span: unit.span }
 }
 
 impl Reader<'_> {

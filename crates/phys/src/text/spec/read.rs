@@ -1,9 +1,12 @@
 //! The whole spec.
 
+use super::energy::per_second;
 use super::reader::Reader;
+use super::structure::StructureSpec;
 use super::{DataSpec, ImpactSpec, OutputSpec, PlaceSpec, Spec, Text, UnknownSpec};
 use crate::text::diagnostic::{Diagnostic, SourceId};
 use crate::text::fields;
+use crate::text::files::{Files, NamedFile, files_in};
 use crate::text::raw::{Node, Shape, parse};
 
 /// Reads the text of a spec. With the spec come warnings; spans point into `text`.
@@ -21,7 +24,7 @@ use crate::text::raw::{Node, Shape, parse};
 /// assert_eq!(mistakes.len(), 5); // two unknown fields, three missing ones
 /// ```
 pub fn read(text: &str, source: SourceId) -> Result<(Spec, Vec<Diagnostic>), Vec<Diagnostic>> {
-    read_with(text, source, Data::Required)
+    read_with(text, source, Data::Required, Some(&Files::default()))
 }
 
 /// As [`read`], but for a program that holds the records in memory: the text need not have `data`, and
@@ -37,7 +40,40 @@ pub fn read(text: &str, source: SourceId) -> Result<(Spec, Vec<Diagnostic>), Vec
 /// assert!(spec::read_without_data(text, SourceId(0)).is_ok());
 /// ```
 pub fn read_without_data(text: &str, source: SourceId) -> Result<(Spec, Vec<Diagnostic>), Vec<Diagnostic>> {
-    read_with(text, source, Data::Optional)
+    read_with(text, source, Data::Optional, Some(&Files::default()))
+}
+
+/// As [`read`], with the files that the text names beside its records ([`crate::named_files`]).
+///
+/// # Errors
+/// As [`read`], and a file that is named and not given.
+pub fn read_with_files(
+    text: &str,
+    source: SourceId,
+    files: &Files,
+) -> Result<(Spec, Vec<Diagnostic>), Vec<Diagnostic>> {
+    read_with(text, source, Data::Required, Some(files))
+}
+
+/// As [`read_without_data`], with the files that the text names.
+///
+/// # Errors
+/// As [`read_with_files`].
+pub fn read_in_memory(
+    text: &str,
+    source: SourceId,
+    files: &Files,
+) -> Result<(Spec, Vec<Diagnostic>), Vec<Diagnostic>> {
+    read_with(text, source, Data::Optional, Some(files))
+}
+
+/// As [`read`], of whatever the text says itself: files that it names are not looked at, and of `structure` nothing is
+/// read. For programs that change the text, or look at its constants and records.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_without_files(text: &str, source: SourceId) -> Result<(Spec, Vec<Diagnostic>), Vec<Diagnostic>> {
+    read_with(text, source, Data::Required, None)
 }
 
 /// Whether the list of records must be there.
@@ -47,9 +83,28 @@ enum Data {
     Optional,
 }
 
-fn read_with(text: &str, source: SourceId, data: Data) -> Result<(Spec, Vec<Diagnostic>), Vec<Diagnostic>> {
+fn read_with(
+    text: &str,
+    source: SourceId,
+    data: Data,
+    files: Option<&Files>,
+) -> Result<(Spec, Vec<Diagnostic>), Vec<Diagnostic>> {
     let root = parse(text).map_err(|mistake| vec![mistake.diagnostic(source)])?;
-    let mut reader = Reader::new(text, source);
+    let given = |file: &NamedFile| {
+        files.is_none_or(|files| files.numbers(&file.path, file.array.as_deref()).is_some())
+    };
+    let missing = files_in(text, &root).into_iter().filter(|file| !given(file));
+    let missing: Vec<Diagnostic> = missing
+        .map(|file| {
+            Diagnostic::error(format!("the file `{}` is not given", file.path))
+                .at(source, file.span, "its numbers are needed")
+                .help("open the spec as a file, or hand the numbers over with its text")
+        })
+        .collect();
+    if !missing.is_empty() {
+        return Err(missing);
+    }
+    let mut reader = Reader::new(text, source, files);
     match reader.spec(&root, data) {
         Some(spec) if !reader.found.iter().any(Diagnostic::is_error) => Ok((spec, reader.found)),
         _ => Err(reader.found),
@@ -68,7 +123,11 @@ impl Reader<'_> {
         let title = self.optional(&fields, "title", Self::prose);
         let constants = self.pairs(&fields, "constants", Self::constant);
         let energy = self.optional(&fields, "energy", Self::energy);
-        let moves = fields.get("energy").is_some();
+        let structure = match self.files {
+            Some(_) => self.optional(&fields, "structure", Self::structure),
+            None => None,
+        };
+        let moves = fields.get("energy").or(fields.get("structure")).is_some();
         let states = match moves {
             true => Some(self.pairs(&fields, "states", Self::unit)),
             false => self.required(&fields, "states", |r, n| r.map(n, Self::unit)),
@@ -107,6 +166,11 @@ impl Reader<'_> {
             states.extend(energy.states());
             known.extend(energy.rates());
         }
+        for (displacement, speed, unit) in structure.iter().flat_map(StructureSpec::pairs) {
+            states.push((displacement.clone(), unit.clone()));
+            states.push((speed.clone(), per_second(&unit)));
+            known.push((displacement, speed));
+        }
         let spec = Spec {
             title,
             constants,
@@ -115,6 +179,7 @@ impl Reader<'_> {
             outputs,
             definitions,
             energy,
+            structure,
             known,
             inertia,
             between,
@@ -125,6 +190,7 @@ impl Reader<'_> {
             limits,
             data: data?,
             learn: learn.unwrap_or_default(),
+            files: self.files.clone().unwrap_or_default(),
         };
         self.within_size(&spec);
         Some(spec)

@@ -1,6 +1,7 @@
 //! Reads the outline of a RON text into values and collects what is wrong on the way.
 
 use crate::text::diagnostic::{Diagnostic, SourceId};
+use crate::text::files::Files;
 use crate::text::raw::{Node, Shape, comma_advice};
 use phisindy_expr::{Span, nearest};
 
@@ -12,11 +13,13 @@ pub(crate) struct Reader<'t> {
     pub(crate) text: &'t str,
     pub(crate) source: SourceId,
     pub(crate) found: Vec<Diagnostic>,
+    /// The files that the text names; none: what stands in them is not read.
+    pub(crate) files: Option<Files>,
 }
 
 impl<'t> Reader<'t> {
-    pub(crate) fn new(text: &'t str, source: SourceId) -> Self {
-        Reader { text, source, found: Vec::new() }
+    pub(crate) fn new(text: &'t str, source: SourceId, files: Option<&Files>) -> Self {
+        Reader { text, source, found: Vec::new(), files: files.cloned() }
     }
 
     pub(crate) fn slice(&self, span: Span) -> &'t str {

@@ -30,6 +30,8 @@ const NUMBERS: f64 = 2e7;
 impl Reader<'_> {
     /// Refuses what is too large. The first thing of each kind that is too much has its place.
     pub(super) fn within_size(&mut self, spec: &Spec) {
+        let of_structure: usize = spec.structure.iter().map(|structure| 2 * structure.pairs().count()).sum();
+        let written = spec.states.len() - of_structure;
         let constants = spec.constants.iter().chain(spec.data.iter().flat_map(DataSpec::constants));
         self.at_most(
             "constants",
@@ -40,7 +42,8 @@ impl Reader<'_> {
         self.at_most(
             "states",
             STATES,
-            spec.states.iter().map(|(n, _)| n.span),
+            // Those of a structure are as many as its matrices have, twice.
+            spec.states[..written].iter().map(|(n, _)| n.span),
             "leave out bodies that hardly move",
         );
         self.at_most(

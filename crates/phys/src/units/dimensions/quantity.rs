@@ -79,6 +79,8 @@ pub(super) enum Conflict {
     Argument { op: Unary, span: Span, form: Form },
     /// The period or the delay of what is held is no time.
     Time { span: Span, form: Form },
+    /// The argument of a table is no number of its first column.
+    Table { span: Span, due: Form, form: Form },
     /// An exponent is no plain number.
     Exponent { span: Span, form: Form },
     /// What is raised to a power that varies is no plain number.
@@ -89,7 +91,7 @@ pub(super) enum Conflict {
 pub(super) fn infer(
     ast: &Ast,
     names: impl Fn(&str) -> Option<Quantity>,
-    time: &Measure,
+    (time, tables): (&Measure, &dyn Fn(&str) -> [Measure; 2]),
     unknowns: &mut Unknowns,
     conflicts: &mut Vec<Conflict>,
 ) -> Quantity {
@@ -113,6 +115,16 @@ pub(super) fn infer(
                     constant: a.constant,
                     measure: rules.unary(*op, span, a.measure),
                 }
+            }
+            AstKind::Table { path: (path, _), of, .. } => {
+                let (span, of) = taken(*of);
+                let [due, value] = tables(path);
+                if let (Measure::Fixed(due), Measure::Fixed(form)) = (due, of.measure)
+                    && !rules.unknowns.equate(&due, &form)
+                {
+                    rules.conflicts.push(Conflict::Table { span, due, form });
+                }
+                Quantity { constant: of.constant, ..Quantity::varying(value) }
             }
             AstKind::Binary(op, a, b) => {
                 let (a, b) = (taken(*a), taken(*b));

@@ -347,7 +347,8 @@ fn consistent(text: &str, leaves: &[Option<Powers>], due: Powers) -> bool {
         .collect();
     let names = |name: &str| Some(quantities[name[1..].parse::<usize>().expect("an index")].clone());
     let ast = parse(text).expect("an expression");
-    let found = infer(&ast, names, &Measure::Loose(None), &mut unknowns, &mut conflicts);
+    let loose = |_: &str| [Measure::Loose(None), Measure::Loose(None)];
+    let found = infer(&ast, names, (&Measure::Loose(None), &loose), &mut unknowns, &mut conflicts);
     let fits = match &found.measure {
         Measure::Fixed(found) => unknowns.equate(found, &form(&due)),
         Measure::Loose(_) => true,

@@ -37,6 +37,11 @@ impl Words {
                     .also(self.source, at(&left.0), is_in(&left.1))
                     .help(missing.map_or_else(|| bridge(&left.1, &right.1), |m| asked(&m)))
             }
+            Conflict::Table { span, due, form } => Diagnostic::error(format!(
+                "the first column of this table is {due}, and its argument is {form}"
+            ))
+            .at(self.source, at(span), is_in(form))
+            .help(missing.map_or_else(|| bridge(due, form), |m| asked(&m))),
             Conflict::Argument { op, span, form } => {
                 let help = if *op == Unary::Ln {
                     "divide by a reference in the same unit, as in `ln(|v|/v0)`"
