@@ -102,8 +102,8 @@ mod tests {
 
     fn of(dissipation: &str, speeds: &[f64]) -> JointFriction {
         let text = format!(
-            r#"(constants: {{ "m": (1.0, "kg") }}, inputs: {{ "F": "N" }},
-                energy: (coordinates: {{ "x": ("v", "m") }}, kinetic: "m*v^2/2", {dissipation}),
+            r#"(constants: {{ "m": 1.0 }}, inputs: {{ "F": "" }},
+                energy: (coordinates: {{ "x": ("v", "") }}, kinetic: "m*v^2/2", {dissipation}),
                 places: {{ "rail": "v" }})"#
         );
         let (spec, _) = spec::read_without_data(&text, SourceId(0)).expect("a spec");
