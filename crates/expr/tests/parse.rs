@@ -36,6 +36,7 @@ fn value(text: &str, names: &[(&str, f64)]) -> f64 {
     let mut values: Vec<f64> = Vec::new();
     for node in &ast.nodes {
         values.push(match &node.kind {
+            AstKind::Table { .. } => panic!("no files here"),
             AstKind::Number(x) => *x,
             AstKind::Name(name) => names.iter().find(|n| n.0 == name).unwrap().1,
             AstKind::Unary(op, a) => (op.row().value)(values[*a]),

@@ -55,7 +55,7 @@ impl fmt::Display for NoCurve {
 impl System {
     /// What of a record lies beyond the points of a table, in words, as far as its columns tell.
     pub fn beyond_tables(&self, record: &Record) -> Vec<String> {
-        let measured = |k: usize| record.columns[k].as_ref().map(|column| column.as_slice());
+        let measured = |k: usize| record.columns[k].as_deref();
         let states =
             (0..self.states.len()).filter_map(|k| Some((self.states[k].node, measured(k)?.to_vec())));
         let inputs =
@@ -153,12 +153,12 @@ impl Curve {
             false if k == 0 || k == last => 0.0,
             false => slope(k) - slope(k - 1),
         };
-        for k in 0..=last {
+        for (k, &at) in x.iter().enumerate() {
             let (by, below) = (bend(k), k <= middle);
             if by == 0.0 {
                 continue;
             }
-            let mut beyond = offset(graph, x[k]);
+            let mut beyond = offset(graph, at);
             if below {
                 beyond = graph.neg(beyond);
             }

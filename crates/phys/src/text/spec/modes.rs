@@ -212,7 +212,7 @@ fn eigen(mass: &Numbers, stiffness: &Numbers) -> Result<(Vec<f64>, Mat<f64>), No
     let found = whole.self_adjoint_eigen(Side::Lower).map_err(|_| NoModes::Stiffness(f64::NAN))?;
     let w2: Vec<f64> = (0..n).map(|k| found.S()[k]).collect();
     let largest = w2.iter().fold(0.0_f64, |most, w2| most.max(w2.abs()));
-    if let Some(&low) = w2.iter().find(|w2| !(**w2 >= -ROUNDING * largest)) {
+    if let Some(&low) = w2.iter().find(|w2| w2.is_nan() || **w2 < -ROUNDING * largest) {
         return Err(NoModes::Stiffness(low));
     }
     // `L^-T` of the eigenvectors, from below.
