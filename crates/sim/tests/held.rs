@@ -94,9 +94,9 @@ fn a_sampled_controller_is_that_of_a_simulation_from_sample_to_sample() {
         let saturated = pushes.iter().filter(|u| u.abs() == 1.5).count();
         assert!((10..900).contains(&saturated), "{saturated}");
         for (i, (x, u)) in states.iter().zip(&pushes).enumerate() {
-            for k in 0..3 {
+            for (k, due) in x.iter().enumerate() {
                 let own = run.states[4 * i + k];
-                assert!((own - x[k]).abs() < 1e-9, "delay {delay}, sample {i}, {k}: {own} not {}", x[k]);
+                assert!((own - due).abs() < 1e-9, "delay {delay}, sample {i}, {k}: {own} not {due}");
             }
             let own = run.states[4 * i + 3];
             assert!((own - u).abs() < 1e-6, "delay {delay}, sample {i}: {own} not {u}");

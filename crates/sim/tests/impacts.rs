@@ -194,7 +194,8 @@ fn a_body_at_rest_on_a_shaker_lets_go_where_the_floor_would_have_to_pull() {
     let (model, u) = shaken();
     // a W^2 = 1.5 g: the floor falls faster than the body from sin(W t) = 2/3 on.
     let a = 1.5 * G / 49.0;
-    let run = run(&model, (&[u.clone()], &[0.0, a, 0.0]), &[0.0, a * u.slope(0.0)], (2.0, 4000), false);
+    let run =
+        run(&model, (std::slice::from_ref(&u), &[0.0, a, 0.0]), &[0.0, a * u.slope(0.0)], (2.0, 4000), false);
     let lifts = (2.0_f64 / 3.0).asin() / 7.0;
     let (z0, v0) = (a * 2.0 / 3.0, 7.0 * a * (7.0 * lifts).cos());
     let flight = |t: f64| z0 + v0 * (t - lifts) - 0.5 * G * (t - lifts).powi(2);
@@ -277,7 +278,7 @@ fn friction_and_a_stop_at_the_same_speed_do_not_both_hold() {
     let push = time.iter().map(|t| [-5.0, -1.0, 1.0, 6.0][(*t as usize).min(3)]).collect();
     let u = Signal::new(time.into(), push, Interpolation::Hold).expect("a signal");
     for e in [0.0, 0.5] {
-        let run = run(&model, (&[u.clone()], &[e]), &[0.3, 0.0], (4.0, 400), false);
+        let run = run(&model, (std::slice::from_ref(&u), &[e]), &[0.3, 0.0], (4.0, 400), false);
         let x = |t: f64| run.states[2 * (t * 100.0) as usize];
         assert!([0.9, 1.9, 2.9].iter().all(|t| x(*t).abs() < 1e-12), "{e}: {} {} {}", x(0.9), x(1.9), x(2.9));
         assert_relative_eq!(x(4.0), 0.5 * 4.0, max_relative = 1e-6);
