@@ -308,7 +308,7 @@ decisions! {
     /// Most pushes in a record, on average: a force that comes oftener is looked for as a law.
     MOST_PUSHES: usize = 3, "pushes", Basis::Convention("few enough to be told one by one");
     /// Most of a record that pushes may take.
-    PUSHED_PART: f64 = 0.2, "of the samples", Basis::Convention("the rest is what the model is judged on");
+    PUSHED_PART: f64 = 0.5, "of the samples", Basis::Convention("the larger part is what the model is judged on");
     /// So many are made at once; their mean says whether more are worth it.
     INPUT_NOISE_BLOCK: usize = 4, "draws", Basis::Judgement("a mean of four is known to a half");
     /// A column with the shape of the model's, but larger or smaller by this factor, has a wrong unit.

@@ -10,7 +10,7 @@ use phisindy_phys::{Case, Record};
 use std::ops::{ControlFlow, Range};
 
 /// A push that pauses for less than this part of a record goes on.
-const BREAK: usize = 20;
+const BREAK: usize = 50;
 
 /// A stretch of a record between pushes.
 #[derive(Clone)]
