@@ -47,12 +47,11 @@ pub(super) fn calibrate(args: &CalibrateArgs, options: &Options) -> Result<Optio
     if seed != args.seed {
         bail!("`{}` holds worlds of seed {seed}: take another folder", args.out.display());
     }
-    let program = Program::find(options)?;
     let progress = Progress::new("calibrate", args.sets, options.quiet);
     let all: Vec<Option<World>> = (0..args.sets)
         .into_par_iter()
         .map(|index| {
-            let answer = answered(args, &program, index)?;
+            let answer = answered(args, options, index)?;
             progress.step();
             Ok(answer)
         })
@@ -77,7 +76,7 @@ fn world(seed: u64, index: usize) -> Result<(Made, Dice)> {
 }
 
 /// A world and the program's answer, of now or kept; none if the user stopped it.
-fn answered(args: &CalibrateArgs, program: &Program, index: usize) -> Result<Option<World>> {
+fn answered(args: &CalibrateArgs, options: &Options, index: usize) -> Result<Option<World>> {
     let set = args.out.join(format!("{index:03}"));
     let kept = set.join("result.json");
     if !kept.exists() {
@@ -87,9 +86,9 @@ fn answered(args: &CalibrateArgs, program: &Program, index: usize) -> Result<Opt
         let (made, mut dice) = world(args.seed, index)?;
         let folder = Folder::create(&set)?;
         write::write(&folder, index, &made, &mut dice)?;
-        let Some(answer) = run(&set, program, &[], 1, Duration::from_secs(args.patience))? else {
-            return Ok(None);
-        };
+        let program = Program::find(options)?;
+        let patience = Duration::from_secs(args.patience);
+        let Some(answer) = run(&set, &program, &[], 1, patience)? else { return Ok(None) };
         folder.write("result.json", &(serde_json::to_string_pretty(&answer)? + "\n"))?;
     }
     let truth: Truth = read(&set.join("truth.json"), "is no truth")?;
