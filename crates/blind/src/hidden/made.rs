@@ -214,9 +214,11 @@ fn add_sensor_noise(
     let (mut fit, mut validate) = ((0.0, 0usize), (0.0, 0usize));
     for (r, (experiment, motion)) in experiments.iter().zip(motions).enumerate() {
         let mut columns = Vec::new();
-        for (state, name) in measured {
+        for (k, (state, name)) in measured.iter().enumerate() {
             let exact = motion.reading(*state, masses);
-            let deviation = wish.noise * standard_deviation(exact);
+            // A sensor's noise does not know how far a run goes.
+            let own = matches!(wish.purpose, Purpose::World(_)).then(|| sigma.get(k).copied()).flatten();
+            let deviation = own.unwrap_or(wish.noise * standard_deviation(exact));
             if deviation <= 0.0 || !deviation.is_finite() {
                 return Err("nothing moves");
             }
