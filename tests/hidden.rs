@@ -130,7 +130,7 @@ fn calibrate_goes_on_from_answers_that_are_there() {
         let truth = json!({
             "kind": "one", "effects": [hidden], "alternatives": [], "noise": 0.01, "sticks": false, "stuck_share": 0.0, "masses": 1,
             "gap_before": { "fit": 2.0, "validate": 2.0 }, "gap_fitted": 2.0, "margin": null, "nearest": "", "remainder": null,
-            "sigma": {}, "movable": {}, "rig": "a rig", "samples": [10, 10], "apart": null, "noise_kind": "white",
+            "sigma": {}, "movable": {}, "rig": "a rig", "samples": [10, 10], "apart": null, "shown": null, "noise_kind": "white",
         });
         let law = ["coulomb", "viscous"][k];
         let step = json!({ "law": law, "at": "v", "probability": 0.995, "parameters": {} });

@@ -35,7 +35,7 @@ const REMAINDER: f64 = 0.4;
 const LONG: Length = Length { periods: (10.0, 40.0), samples: (2000, 6000), a_period: 60.0 };
 const SHORT: Length = Length { periods: (5.0, 11.0), samples: (200, 380), a_period: 20.0 };
 /// The least chi square of the hidden cause of a world: five standard deviations for an observer who knows it.
-const SEEN: f64 = 25.0;
+pub(super) const SEEN: f64 = 25.0;
 
 /// Laws of several numbers that only some motions tell apart.
 const DETERMINED: &[&str] =
@@ -381,6 +381,7 @@ impl Drawn {
             rig: described(rig, records.len()),
             samples,
             apart: judgement.apart,
+            shown: judgement.apart.map(|_| judgement.shown),
             noise_kind: match wish.purpose {
                 Purpose::World(noise) => noise.name(),
                 Purpose::Blind | Purpose::Formula(_) => "white",

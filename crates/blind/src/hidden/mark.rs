@@ -227,6 +227,7 @@ pub(super) mod tests {
             rig: String::new(),
             samples: [10, 10],
             apart: None,
+            shown: None,
             noise_kind: "white".to_owned(),
         }
     }

@@ -46,6 +46,8 @@ pub(super) struct Judgement {
     pub(super) same: Vec<Named>,
     /// The residual of the best rival, rms in units of the noise.
     pub(super) remainder: f64,
+    /// The chi square that the best single law leaves.
+    pub(super) shown: f64,
     /// The part of the force itself that the best law leaves, if that was asked.
     pub(super) apart: Option<f64>,
 }
@@ -483,6 +485,7 @@ impl<'a> Comparison<'a> {
         let mut judgement = Judgement {
             margin: f64::INFINITY,
             remainder: f64::INFINITY,
+            shown: total,
             visible: total,
             ..Judgement::default()
         };
@@ -498,6 +501,9 @@ impl<'a> Comparison<'a> {
             }
             let chosen: Vec<usize> = members.iter().flat_map(|r| r.columns.iter().copied()).collect();
             let left = (total - explained(&products, &loads, &chosen)).max(0.0);
+            if members.len() == 1 {
+                judgement.shown = judgement.shown.min(left);
+            }
             let own = members.iter().map(|r| r.freedom).sum::<usize>() + members.len() - 1;
             judgement.remainder = judgement
                 .remainder

@@ -44,6 +44,9 @@ pub(crate) struct Truth {
     /// The part of a force of no catalogue that the best law of the catalogue leaves of it, rms over rms along
     /// the Fit record; null for anything else, and in blind sets.
     pub(crate) apart: Option<f64>,
+    /// The chi square that the best law leaves of it in these records, with free start states and constants; null where
+    /// `apart` is.
+    pub(crate) shown: Option<f64>,
     /// What the noise of the sensors is like.
     pub(crate) noise_kind: String,
 }

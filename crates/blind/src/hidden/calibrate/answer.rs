@@ -105,13 +105,14 @@ pub(super) fn told(set: &str, truth: &Truth, answer: &Answer) -> String {
     let hidden: Vec<String> = truth.effects.iter().map(numbers).collect();
     let hidden = if hidden.is_empty() { "nothing".to_owned() } else { hidden.join(" + ") };
     let apart = truth.apart.map_or(String::new(), |a| format!(", {:.1} % apart from every law", 100.0 * a));
+    let shown = truth.shown.map_or(String::new(), |s| format!(" (chi square {s:.0})"));
     let fitted = truth.gap_fitted.map_or(String::new(), |g| format!(", gap of {g:.2} beside free constants"));
     let said: Vec<String> = answer.laws.iter().map(|s| format!("{:.3}", s.probability)).collect();
     let none = answer.none.map_or(String::new(), |s| format!(", none {:.3}", s.probability));
     let formula = answer.formula.map_or(String::new(), |e| format!(", forces off by {:.1} %", 100.0 * e));
     let far = if answer.mark.far { ", an interval misses" } else { "" };
     format!(
-        "{set} {:?}: {hidden}{apart}{fitted}; {}, noise of {} {} %\n    said {}: {} [{}]{none}{formula}{far}\n",
+        "{set} {:?}: {hidden}{apart}{shown}{fitted}; {}, noise of {} {} %\n    said {}: {} [{}]{none}{formula}{far}\n",
         answer.standing,
         truth.rig,
         truth.noise_kind,

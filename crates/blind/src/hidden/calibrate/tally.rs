@@ -2,6 +2,7 @@
 
 use super::answer::{Answer, Said, Standing, class, told};
 use super::band::band;
+use crate::hidden::made::SEEN;
 use crate::hidden::truth::Truth;
 use crate::markdown::{markdown, short};
 use crate::table::Table;
@@ -74,8 +75,11 @@ fn reliability(all: &[World]) -> String {
 fn strangers(all: &[World]) -> String {
     let apart = |w: &&World| w.truth.apart.is_some_and(|a| a > APART);
     let some: Vec<&World> = all.iter().filter(apart).collect();
+    let shown: Vec<&World> =
+        some.iter().filter(|w| w.truth.shown.is_some_and(|s| s > SEEN)).copied().collect();
     let row = |name: &str, of: &dyn Fn(&World) -> bool| {
-        vec![name.to_owned(), format!("{} of {}", some.iter().filter(|w| of(w)).count(), some.len())]
+        let count = |all: &[&World]| format!("{} of {}", all.iter().filter(|w| of(w)).count(), all.len());
+        vec![name.to_owned(), count(&some), count(&shown)]
     };
     let none = |w: &World| w.answer.none.is_some_and(|s| s.probability > 0.5);
     let formula = |w: &World| w.answer.standing == Standing::Right;
@@ -86,7 +90,8 @@ fn strangers(all: &[World]) -> String {
             none(w) || matches!(w.answer.standing, Standing::Right | Standing::Honest)
         }),
     ];
-    markdown(&["forces that differ from every law by more than 5 %", "worlds"], &rows)
+    let head = ["forces that differ from every law by more than 5 %", "all", "if the records show it"];
+    markdown(&head, &rows)
 }
 
 fn by_class(all: &[World]) -> String {
