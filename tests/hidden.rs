@@ -145,7 +145,7 @@ fn calibrate_goes_on_from_answers_that_are_there() {
         "{}",
         said.out
     );
-    assert!(said.out.contains("| all | 2 | 1 | 0 | 1 | 0 | - | 1 |"), "{}", said.out);
+    assert!(said.out.contains("| all | 2 | 1 | 0 | 0 | 1 | 0 | - | 1 |"), "{}", said.out);
     assert!(said.out.contains("001 Wrong: coulomb at v"), "{}", said.out);
     // Worlds of another seed are not mixed with these.
     assert_eq!(of("4").code, 2);

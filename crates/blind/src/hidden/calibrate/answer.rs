@@ -34,6 +34,8 @@ pub(super) struct Said {
 #[derive(Clone, Debug)]
 pub(super) struct Answer {
     pub(super) standing: Standing,
+    /// Whether its laws are what is hidden, whatever the verdict.
+    pub(super) whole: bool,
     pub(super) mark: Mark,
     /// Of each law at its place.
     pub(super) laws: Vec<Said>,
@@ -54,16 +56,16 @@ pub(super) fn answer(truth: &Truth, result: &Value, formula: Option<f64>) -> Ans
         .map(|set| sorted(set))
         .collect();
     let named = sorted(&found);
-    let whole = descriptions.contains(&named);
+    let hides = truth.kind != "nothing";
+    let whole = if hides { descriptions.contains(&named) } else { named.is_empty() };
     let part = !named.is_empty() && descriptions.iter().any(|d| named.iter().all(|n| d.contains(n)));
     let holds = formula.is_some_and(|error| error <= WRONG);
-    let hides = truth.kind != "nothing";
     let standing = match mark.status.as_str() {
         _ if mark.verdict == Verdict::Failed => Standing::Failed,
         "unexplained" | "undetermined" | "contradictory" => Standing::Honest,
         _ if mark.far => Standing::Wrong,
         "nothing-missing" if !hides => Standing::Right,
-        "explained" if whole => Standing::Right,
+        "explained" if hides && whole => Standing::Right,
         "named" if part => Standing::Right,
         "described" if holds => Standing::Right,
         _ => Standing::Wrong,
@@ -78,7 +80,7 @@ pub(super) fn answer(truth: &Truth, result: &Value, formula: Option<f64>) -> Ans
     let none = none.map(|probability| Said { probability, right: hides && !whole && !holds });
     let laws =
         if standing == Standing::Failed { vec![] } else { all.iter().filter_map(|s| said(s)).collect() };
-    Answer { standing, mark, laws, none, formula }
+    Answer { standing, whole, mark, laws, none, formula }
 }
 
 /// What is hidden, in tables.

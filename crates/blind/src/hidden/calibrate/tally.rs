@@ -109,6 +109,7 @@ fn by_class(all: &[World]) -> String {
             of.len().to_string(),
             count(Standing::Right),
             count(Standing::Honest),
+            of.iter().filter(|w| w.answer.standing == Standing::Honest && w.answer.whole).count().to_string(),
             count(Standing::Wrong),
             count(Standing::Failed),
             if intervals.0 == 0 { "-".to_owned() } else { format!("{} of {}", intervals.1, intervals.0) },
@@ -123,6 +124,7 @@ fn by_class(all: &[World]) -> String {
         "worlds",
         "right",
         "honest (exit 1)",
+        "of these with the right laws",
         "wrong with exit 0",
         "no answer",
         "intervals of 95 % that hold the truth",
@@ -134,9 +136,10 @@ fn by_class(all: &[World]) -> String {
 /// The counts that reports quote: for each kind of statement and range of probability, how many there were and how many were
 /// right.
 pub(super) fn counts(all: &[World], seed: u64) -> String {
+    let count = all.len();
     let mut out = format!(
-        "# Written by `phisindy-blind calibrate --sets {} --seed {seed} --table`: statement, probability from, to, simulated cases, right.\n",
-        all.len()
+        "# phisindy-blind calibrate --sets {count} --seed {seed} --table FILE\nworlds {count}\n\
+         # statement, probability from, to, simulated cases, right\n"
     );
     for (kind, all) in kinds(all) {
         for (low, high, _) in RANGES {
