@@ -114,3 +114,39 @@ fn a_known_part_with_one_thing_wrong_is_told_of() {
     let checked = phisindy(&["check", &spec]);
     assert_eq!(checked.code, 0, "{}", checked.err);
 }
+
+#[test]
+fn calibrate_goes_on_from_answers_that_are_there() {
+    let scratch = Scratch::new("calibrate");
+    let folder = scratch.path("worlds");
+    let of = |seed: &str| {
+        blind(&["calibrate", "--out", &folder, "--sets", "2", "--seed", seed, "--quiet", "--patience", "1"])
+    };
+    // Answers that were kept are read, not asked for again.
+    for k in 0..2 {
+        let set = scratch.0.join(format!("worlds/{k:03}"));
+        fs::create_dir_all(&set).expect("a folder");
+        let hidden = json!({ "law": "coulomb", "at": "v", "parameters": { "Fc": 1.0 }, "expression": "" });
+        let truth = json!({
+            "kind": "one", "effects": [hidden], "alternatives": [], "noise": 0.01, "sticks": false, "stuck_share": 0.0, "masses": 1,
+            "gap_before": { "fit": 2.0, "validate": 2.0 }, "gap_fitted": 2.0, "margin": null, "nearest": "", "remainder": null,
+            "sigma": {}, "movable": {}, "rig": "a rig", "samples": [10, 10], "apart": null, "shown": null, "noise_kind": "white",
+        });
+        let law = ["coulomb", "viscous"][k];
+        let step = json!({ "law": law, "at": "v", "probability": 0.995, "parameters": {} });
+        let answer = json!({ "status": "explained", "steps": [step], "none": 0.01, "seconds": 1.0 });
+        fs::write(set.join("truth.json"), truth.to_string()).expect("written");
+        fs::write(set.join("result.json"), answer.to_string()).expect("written");
+    }
+    let said = of("3");
+    assert_eq!(said.code, 0, "{}", said.err);
+    assert!(
+        said.out.contains("| a law at its place | above 0.99 | 2 | 0.995 | 1 | 2 to 2 | no |"),
+        "{}",
+        said.out
+    );
+    assert!(said.out.contains("| all | 2 | 1 | 0 | 0 | 1 | 0 | - | 1 |"), "{}", said.out);
+    assert!(said.out.contains("001 Wrong: coulomb at v"), "{}", said.out);
+    // Worlds of another seed are not mixed with these.
+    assert_eq!(of("4").code, 2);
+}

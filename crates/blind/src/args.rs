@@ -7,6 +7,7 @@ const EXAMPLES: &str = "\
 Examples:
   phisindy-blind hidden --out sets --sets 200 --seed 7      data sets with a hidden effect, the truth beside each
   phisindy-blind score --out sets                           `phisindy gap` on each of them, compared with the truth
+  phisindy-blind calibrate --sets 400 --seed 7 --out worlds  whole worlds from priors: is what is said as sure as it says?
   phisindy-blind formula --sets 48 --noise 2                laws of no catalogue: is the force found as a formula?
   phisindy-blind wrong --sets 105 --seed 7                  known parts with one mistake: does `run` tell of it?
   phisindy-blind odd --runs 1000 --seed 7                   odd specs and data: does it panic, hang, or err?
@@ -36,6 +37,9 @@ pub(crate) enum Command {
     /// Run `phisindy gap` on the sets of a folder and compare with their truths; the seconds are those of one
     /// thread
     Score(ScoreArgs),
+    /// Draw whole worlds from priors, run `phisindy gap` on each, and count how often what it says with a
+    /// probability is so
+    Calibrate(CalibrateArgs),
     /// Hide laws that no catalogue has: is the force found as a formula? The seconds are those of `--threads`
     Formula(FormulaArgs),
     /// Identify models with one mistake in the known part: is it told?
@@ -127,6 +131,26 @@ pub(crate) struct ScoreArgs {
     /// Also run the sets that have a result already
     #[arg(long)]
     pub(crate) again: bool,
+}
+
+/// Which worlds.
+#[derive(Clone, Debug, clap::Args)]
+pub(crate) struct CalibrateArgs {
+    /// Folder of the worlds and answers; the same command goes on from there
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: PathBuf,
+    /// Number of worlds
+    #[arg(long, value_name = "N", default_value_t = 400)]
+    pub(crate) sets: usize,
+    /// Seed of all draws
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub(crate) seed: u64,
+    /// Seconds for each answer; what takes longer has failed
+    #[arg(long, value_name = "S", default_value_t = 300)]
+    pub(crate) patience: u64,
+    /// Write the counts for each range of probability into this file, which reports quote
+    #[arg(long, value_name = "FILE")]
+    pub(crate) table: Option<PathBuf>,
 }
 
 /// Which sets for formulas.

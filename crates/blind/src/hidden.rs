@@ -9,12 +9,15 @@
 //! `phisindy-blind formula` makes sets with a law that is left out of the catalogue, or in none, and compares
 //! forces.
 
+mod calibrate;
 mod determined;
 mod effect;
 mod experiment;
 mod fair;
 mod force;
 mod formula;
+mod independent;
+mod instrument;
 mod linear;
 mod made;
 mod mark;
@@ -25,13 +28,14 @@ mod place;
 mod rig;
 mod rivals;
 mod score;
+mod sensor_noise;
 mod tally;
 mod told;
 mod truth;
 mod wish;
 mod write;
 
-use crate::args::{FormulaArgs, HiddenArgs, Options, ScoreArgs};
+use crate::args::{CalibrateArgs, FormulaArgs, HiddenArgs, Options, ScoreArgs};
 use crate::dice::Dice;
 use crate::folder::{Folder, print};
 use crate::interrupt;
@@ -47,6 +51,14 @@ use std::path::Path;
 /// There are no sets, or files cannot be read or written.
 pub(crate) fn score(args: &ScoreArgs, options: &Options) -> Result<Option<Table>> {
     score::score(args, options)
+}
+
+/// Worlds, answers and how far these can be believed; none if the user stopped it.
+///
+/// # Errors
+/// A world that cannot be made, or files that cannot be read or written.
+pub(crate) fn calibrate(args: &CalibrateArgs, options: &Options) -> Result<Option<Table>> {
+    calibrate::calibrate(args, options)
 }
 
 /// Sets for formulas, made, run and scored; none if the user stopped it.

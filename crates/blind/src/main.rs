@@ -4,6 +4,7 @@
 //! ```text
 //! seed --hidden--> DIR/NNN: spec and data of a rig with an effect that the spec lacks | truth.json
 //! DIR/NNN --phisindy gap--> result.json --score, with truth.json--> table
+//! seed --calibrate--> worlds drawn from priors --phisindy gap--> probabilities beside how often it is so --> tables
 //! seed --formula--> sets with a law of no catalogue --phisindy gap--> compared forces --> table
 //! seed --wrong--> specs with one mistake in the known part --identify--> is it reported? --> table
 //! seed --noise--> sliders with noise that is not white, late sensors, forces --identify--> intervals right? --> table
@@ -64,6 +65,7 @@ fn run(args: &Args) -> Result<bool> {
         Command::Hidden(args) => return hidden::make(args, options),
         Command::Book { query } => return book::preprocess(query).map(|()| true),
         Command::Score(args) => hidden::score(args, options)?,
+        Command::Calibrate(args) => hidden::calibrate(args, options)?,
         Command::Formula(args) => hidden::formula(args, options)?,
         Command::Wrong(args) => wrong::table(args, options)?,
         Command::Noise(args) => noise::table(args, options)?,

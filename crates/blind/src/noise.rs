@@ -116,7 +116,7 @@ fn sampled(x: &[f64]) -> impl Iterator<Item = f64> {
 }
 
 /// Normal numbers (Box and Muller).
-fn white(dice: &mut Dice) -> impl Iterator<Item = f64> {
+pub(crate) fn white(dice: &mut Dice) -> impl Iterator<Item = f64> {
     let mut own = Dice::new(dice.seed(), "white");
     std::iter::repeat_with(move || (-2.0 * (1.0 - own.unit()).ln()).sqrt() * (TAU * own.unit()).cos())
 }

@@ -15,6 +15,8 @@ pub(super) enum Action {
     Sensor { column: Option<usize>, property: Property, value: f64 },
     /// The rate of a velocity is multiplied by a text.
     Factor { mass: usize, factor: String },
+    /// A constant of the rig is not what the spec says.
+    Constant { index: usize, value: f64 },
 }
 
 /// A property of a sensor.
@@ -23,6 +25,12 @@ pub(super) enum Property {
     Delay,
     Gain,
     Offset,
+    /// It reads no more than this to either side.
+    Clip,
+    /// So much of the square is added.
+    Bend,
+    /// It follows with this time constant.
+    Lag,
 }
 
 /// A hidden effect.
@@ -43,6 +51,11 @@ impl Effect {
     /// A parameter of its law.
     pub(super) fn parameter(&self, name: &str) -> Option<f64> {
         self.parameters.iter().find(|(n, _)| *n == name).map(|(_, x)| *x)
+    }
+
+    /// Whether it acts on the motion, not on what is read of it.
+    pub(super) fn is_force(&self) -> bool {
+        matches!(self.action, Action::Force { .. } | Action::Factor { .. })
     }
 
     /// The number of its unknown parameters.
@@ -105,6 +118,7 @@ const INTERNAL: &[(&str, &[(&str, &str)])] = &[
     ("bouc-wen", &[("z", "A*Y - beta*abs(Y)*z - gamma*Y*abs(z)")]),
     ("lugre", &[("z", "Y - s0*abs(Y)*z/(Fc + (Fs-Fc)*exp(-(Y/vs)^2))")]),
     ("maxwell", &[("z", "km*(Y - z/cm)")]),
+    ("hanging-body", &[("hs", "Y - hw"), ("hw", "(k*hs + c*(Y - hw))/m")]),
     (
         "maxwell-slip",
         &[
@@ -135,7 +149,7 @@ pub(super) fn draw(
         | "cogging"
         | "dead-zone"
         | "one-sided-stop" => draw_spring(law, place, s, rig, dice),
-        "bouc-wen" | "lugre" | "maxwell" | "maxwell-slip" | "backlash" => {
+        "bouc-wen" | "lugre" | "maxwell" | "maxwell-slip" | "backlash" | "hanging-body" => {
             draw_memory(law, place, s, rig, dice)
         }
         "offset" | "harmonic-force" | "parametric-stiffness" | "van-der-pol" => {
@@ -303,6 +317,12 @@ fn draw_memory(law: &str, place: &Place, s: Scales, rig: &super::rig::Rig, dice:
                 "0.25*kt*(z1 + z2 + z3 + z4)",
             )
         }
+        "hanging-body" => {
+            let m = rig.mass[place.parts[0].0] * dice.log(0.03, 0.4);
+            let w = rig.natural * dice.log(0.4, 2.5);
+            let damping = dice.log(0.01, 0.2);
+            (vec![("k", m * w * w), ("m", m), ("c", 2.0 * damping * m * w)], "(k*hs + c*(Y - hw))")
+        }
         "backlash" => {
             let ks = dice.log(0.1, 1.0) * s.force / s.x;
             (vec![("ks", ks), ("gap", dice.between(0.08, 0.4) * s.x)], "ks*(X - z)")
@@ -334,60 +354,4 @@ fn draw_excitation(law: &str, s: Scales, rig: &super::rig::Rig, dice: &mut Dice)
         }
         _ => return None,
     })
-}
-
-/// Draws what is wrong with the recorded drive of a rig; `None` for any other law, and where the drive is not
-/// recorded.
-pub(super) fn draw_input(law: &str, rig: &super::rig::Rig, dice: &mut Dice) -> Option<Effect> {
-    use super::rig::Drive;
-    let at = match rig.drive {
-        Drive::Force(_) => "F",
-        Drive::Base { .. } => "u",
-        Drive::Explicit(_) | Drive::Free => return None,
-    };
-    let (name, value) = match law {
-        "input-gain" => ("gain", 1.0 + dice.sign() * dice.log(0.02, 0.3)),
-        "input-delay" => ("tau", dice.log(0.01, 0.15) / rig.natural),
-        _ => return None,
-    };
-    let value = crate::dice::rounded(value);
-    let (gain, delay) = if name == "gain" { (value, 0.0) } else { (1.0, value) };
-    let action = Action::Input { gain, delay };
-    Some(Effect {
-        law: law.to_owned(),
-        at: at.to_owned(),
-        parameters: vec![(name, value)],
-        second_phase: None,
-        action,
-    })
-}
-
-/// Draws a property of one column or of all. `columns` are their names and sizes; `None` for any other law.
-pub(super) fn draw_sensor(
-    law: &str,
-    columns: &[(String, f64)],
-    displacements: usize,
-    w0: f64,
-    dice: &mut Dice,
-) -> Option<Effect> {
-    let any = dice.whole(0, columns.len() - 1);
-    let (property, name) = match law {
-        "sensor-delay" => (Property::Delay, "tau"),
-        "sensor-gain" => (Property::Gain, "gain"),
-        "sensor-offset" => (Property::Offset, "offset"),
-        _ => return None,
-    };
-    // An offset of all columns at once means nothing: they have different units.
-    let common = property != Property::Offset && dice.chance(0.35);
-    // Offsets are mostly those of displacements.
-    let column = if property == Property::Offset && dice.chance(0.8) { any % displacements } else { any };
-    let value = crate::dice::rounded(match property {
-        Property::Delay => dice.log(0.003, 0.15) / w0,
-        Property::Gain => 1.0 + dice.sign() * dice.log(0.01, 0.3),
-        Property::Offset => dice.sign() * dice.log(0.01, 1.5) * columns[column].1,
-    });
-    let at = if common { "motion".to_owned() } else { columns[column].0.clone() };
-    let column = (!common).then_some(column);
-    let action = Action::Sensor { column, property, value };
-    Some(Effect { law: law.to_owned(), at, parameters: vec![(name, value)], second_phase: None, action })
 }

@@ -5,11 +5,20 @@ use super::rig::{Drive, Rig};
 use crate::dice::{Dice, rounded};
 use std::f64::consts::TAU;
 
+/// How long and how dense records are.
+pub(super) struct Length {
+    pub(super) periods: (f64, f64),
+    pub(super) samples: (usize, usize),
+    /// The least number of samples in a period of the rig.
+    pub(super) a_period: f64,
+}
+
 /// Draws one long run, to be split at the returned sample, or two runs.
-pub(super) fn experiments(rig: &Rig, dice: &mut Dice) -> (Vec<Experiment>, usize) {
+pub(super) fn experiments(rig: &Rig, length: &Length, dice: &mut Dice) -> (Vec<Experiment>, usize) {
     let period = TAU / rig.natural;
-    let (periods, samples) = (dice.between(10.0, 40.0), dice.whole(2000, 6000));
-    let a_period = (samples as f64 / periods).max(60.0);
+    let periods = dice.between(length.periods.0, length.periods.1);
+    let samples = dice.whole(length.samples.0, length.samples.1);
+    let a_period = (samples as f64 / periods).max(length.a_period);
     let digits = 10f64.powf(2.0 - (period / a_period).log10().floor());
     let step = (period / a_period * digits).round() / digits;
     let split = (0.6 * samples as f64) as usize;

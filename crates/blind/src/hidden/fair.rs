@@ -11,8 +11,8 @@ use phisindy_signal::standard_deviation;
 const START_ERROR: f64 = 0.1;
 const STEADY: f64 = 0.25;
 
-/// The range that each law needs to be visible: the motion must enter and leave it.
-pub(super) fn visible(seen: &Seen<'_>) -> Result<(), &'static str> {
+/// Whether the rig can have these effects at all, and a sensor that could show them.
+pub(super) fn possible(seen: &Seen<'_>) -> Result<(), &'static str> {
     for effect in seen.effects {
         if let Action::Sensor { column: Some(column), .. } = effect.action
             && !seen.columns.iter().any(|(k, _, _)| *k == column)
@@ -24,6 +24,29 @@ pub(super) fn visible(seen: &Seen<'_>) -> Result<(), &'static str> {
         if effect.law == "sensor-delay" && effect.at == "motion" && seen.rig.drive == Drive::Free {
             return Err("a late clock of a released motion is no other motion");
         }
+        let Action::Force { place, .. } = &effect.action else { continue };
+        let (x, v) = place_motion(seen, place);
+        let p = |name: &str| effect.parameter(name).unwrap_or(0.0);
+        let level: &dyn Fn(f64, f64) -> f64 = match effect.law.as_str() {
+            "dieterich-ruina" => &|_, s| {
+                p("F") + p("a") * ((s + 1e-6) / 0.003).ln() + p("b") * (0.022 + 0.003 / (s + 1e-6)).ln()
+            },
+            "position-dependent-friction" => &|x, _| p("F0") + p("F1") * x + p("F2") * x * x,
+            _ => continue,
+        };
+        let (x, v, least) = (1.3 * largest(&x), 1.5 * largest(&v), 0.1 * p("F").max(p("F0")));
+        let positions = (-20..=20).all(|k| level(x * f64::from(k) / 20.0, v) > least);
+        if !positions || (0..60).any(|k| level(x, v * 0.75f64.powi(k)) <= least) {
+            return Err("friction pushes");
+        }
+    }
+    Ok(())
+}
+
+/// The range that each law needs to be visible: the motion must enter and leave it.
+pub(super) fn visible(seen: &Seen<'_>) -> Result<(), &'static str> {
+    possible(seen)?;
+    for effect in seen.effects {
         let Action::Force { place, force, .. } = &effect.action else { continue };
         let (x, v) = place_motion(seen, place);
         let n = x.len() as f64;
@@ -41,20 +64,6 @@ pub(super) fn visible(seen: &Seen<'_>) -> Result<(), &'static str> {
                 let moves = |i: usize| !seen.motion.stuck[i];
                 share(&|i| moves(i) && v[i].abs() < p("vs")) > 0.03
                     && share(&|i| v[i].abs() > 2.0 * p("vs")) > 0.1
-            }
-            "dieterich-ruina" => {
-                let top = 1.5 * largest(&v);
-                let level = |s: f64| {
-                    p("F") + p("a") * ((s + 1e-6) / 0.003).ln() + p("b") * (0.022 + 0.003 / (s + 1e-6)).ln()
-                };
-                (0..60).all(|k| level(top * 0.75f64.powi(k)) > 0.1 * p("F"))
-            }
-            "position-dependent-friction" => {
-                let top = 1.3 * largest(&x);
-                (-20..=20).all(|k| {
-                    let at = top * f64::from(k) / 20.0;
-                    p("F0") + p("F1") * at + p("F2") * at * at > 0.1 * p("F0")
-                })
             }
             "presliding" => {
                 let z = &seen.motion.states[2 * seen.rig.count()];

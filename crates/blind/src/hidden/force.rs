@@ -1,7 +1,7 @@
 //! Forces as text: their values along a motion, and whether two have the same form.
 
 use super::effect::{Action, Effect};
-use super::motion::Motion;
+use super::motion::{Experiment, Motion};
 use super::place::Place;
 use super::rig::Rig;
 use faer::Mat;
@@ -19,7 +19,7 @@ const NUMBER: f64 = 0.5;
 /// Steps of the fit of the numbers.
 const STEPS: usize = 100;
 
-/// A text over variables, ready to be evaluated.
+/// Texts over variables, ready to be evaluated.
 pub(super) struct Force {
     scratch: Scratch<1>,
 }
@@ -27,17 +27,28 @@ pub(super) struct Force {
 impl Force {
     /// A text over these names, in this order; `None` if it is no expression of them.
     pub(super) fn new(text: &str, variables: &[&str]) -> Option<Force> {
+        Force::several(&[text], variables)
+    }
+
+    /// Texts over these names; `None` if one is no expression of them.
+    pub(super) fn several(texts: &[&str], variables: &[&str]) -> Option<Force> {
         let (mut graph, mut names) = (Graph::default(), Names::default());
         let symbols: Vec<Symbol> = variables.iter().map(|name| names.intern(name)).collect();
         let inputs: Vec<_> = symbols.into_iter().map(|symbol| graph.symbol(symbol)).collect();
-        let root = graph.lower(&parse(text).ok()?, |name| names.get(name)).ok()?;
-        let tape = Tape::compile(&graph, &inputs, &[root]).ok()?;
+        let mut root = |text: &&str| graph.lower(&parse(text).ok()?, |name| names.get(name)).ok();
+        let roots: Vec<_> = texts.iter().map(&mut root).collect::<Option<_>>()?;
+        let tape = Tape::compile(&graph, &inputs, &roots).ok()?;
         Some(Force { scratch: Scratch::new(&tape) })
     }
 
-    /// Its value at these values of the variables.
+    /// The value of the first at these values of the variables.
     pub(super) fn at(&mut self, values: impl IntoIterator<Item = f64>) -> f64 {
         self.scratch.at(values).output(0)[0]
+    }
+
+    /// The value of text `k` at the variables of the last call of `at`.
+    pub(super) fn output(&self, k: usize) -> f64 {
+        self.scratch.output(k)[0]
     }
 }
 
@@ -60,6 +71,17 @@ pub(super) fn on_masses(
         }
     }
     Some(out)
+}
+
+/// The force on each mass that the known part lacks along a motion: what it subtracts.
+pub(super) fn missing(rig: &Rig, motion: &Motion, experiment: &Experiment) -> Vec<Vec<f64>> {
+    let masses = rig.count();
+    let mut out = vec![Vec::new(); masses];
+    for (i, &t) in experiment.times.iter().enumerate() {
+        let known = rig.acceleration(&|k| motion.states[k][i], Rig::drive_at(&experiment.lines, t));
+        (0..masses).for_each(|m| out[m].push((known[m] - motion.rates[masses + m][i]) * rig.mass[m]));
+    }
+    out
 }
 
 /// The error of forces against others along a motion, rms over rms, without the samples at which something

@@ -1,11 +1,12 @@
 //! Sets with a law that the program cannot have in its catalogue: made, run, and the forces compared.
 
 use super::effect::{Action, Effect};
-use super::force::{error, on_masses, same_form};
+use super::force::{error, missing, on_masses, same_form};
 use super::made::{Made, made};
+use super::mark::steps;
 use super::motion::{Experiment, motion};
 use super::place::{Place, places, same_place};
-use super::wish::{HOLDING, Kind, LAWS, Wish};
+use super::wish::{HOLDING, Kind, LAWS, Purpose, Wish};
 use super::{never, score, write};
 use crate::args::{FormulaArgs, Missing, Options, Sensors};
 use crate::dice::Dice;
@@ -52,7 +53,7 @@ const ACCEPTED: f64 = 0.03;
 /// The record tells the force of the right formula to this part of the accepted error.
 const TOLD: f64 = 1.0 / 3.0;
 /// A formula with a larger error of the force is wrong, whatever the program says.
-const WRONG: f64 = 0.1;
+pub(super) const WRONG: f64 = 0.1;
 /// Excitation beyond what was seen.
 const BEYOND: f64 = 1.4;
 /// The free run's NRMSE that is accepted there.
@@ -157,7 +158,7 @@ fn marked(
         two_masses: dice.chance(0.3),
         holds: rubs && dice.chance(0.5),
         sensors: Sensors::Mixed,
-        told: Some(TOLD * accepted),
+        purpose: Purpose::Formula(TOLD * accepted),
     };
     let made = made(&wish, &mut dice).map_err(|why| anyhow!("set {index}: {why}"))?;
     let kept = folder.join("result.json");
@@ -173,7 +174,9 @@ fn marked(
                 Missing::Memory => MEMORY.to_vec(),
                 Missing::Never | Missing::Nothing => vec![],
             };
-            let Some(result) = score::run(folder, program, &without, args.threads)? else { return Ok(None) };
+            let Some(result) = score::run(folder, program, &without, args.threads, score::PATIENCE)? else {
+                return Ok(None);
+            };
             files.write("result.json", &(serde_json::to_string_pretty(&result)? + "\n"))?;
             result
         }
@@ -191,9 +194,8 @@ fn compared(
     result: &Value,
 ) -> Mark {
     let text = |value: &Value| value.as_str().unwrap_or("").to_owned();
-    let steps: Vec<&Value> = result["steps"].as_array().map_or(vec![], |s| s.iter().collect());
-    let found: Option<Vec<Effect>> = steps.iter().map(|step| force(made, step)).collect();
-    let found = found.filter(|all| !all.is_empty());
+    let steps = steps(result);
+    let found = forces(made, &steps);
     let written = |step: &&Value| {
         let force = step["force"].as_str().map_or_else(|| text(&step["law"]), str::to_owned);
         format!("{force} at {}", text(&step["at"]))
@@ -215,17 +217,8 @@ fn compared(
         accepted,
     };
     let (Some(found), Some(_)) = (found, law) else { return mark };
-    // The record that is not used: the second, or the second part of the only one.
+    mark.error = force_error(made, &found);
     let last = made.motions.len() - 1;
-    let (exact, times) = (&made.motions[last], &made.experiments[last].times);
-    let from = if last == 0 { made.split } else { 0 };
-    let along = |effects: &[Effect]| {
-        let forces = on_masses(&made.rig, effects, exact, times)?;
-        Some(forces.into_iter().map(|f| f[from..].to_vec()).collect::<Vec<_>>())
-    };
-    if let (Some(due), Some(got)) = (along(&made.effects), along(&found)) {
-        mark.error = Some(error(&got, &due, &exact.stuck[from..])).filter(|e| e.is_finite());
-    }
     if let ([truth], [one]) = (&made.effects[..], &found[..])
         && same_place(&truth.at) == same_place(&one.at)
         && let (Action::Force { place, .. }, Action::Force { force, .. }) = (&truth.action, &one.action)
@@ -234,6 +227,24 @@ fn compared(
     }
     mark.beyond = beyond(made, &made.experiments[last], &found);
     mark
+}
+
+/// The forces of all steps; `None` if there are none, or one is no force of displacement and velocity.
+pub(super) fn forces(made: &Made, steps: &[&Value]) -> Option<Vec<Effect>> {
+    let found: Option<Vec<Effect>> = steps.iter().map(|step| force(made, step)).collect();
+    found.filter(|all| !all.is_empty())
+}
+
+/// The error of forces along the record that is not used, the second or the second part of the only one: rms over rms of
+/// what is missing there. `None` if a force is no expression of the states.
+pub(super) fn force_error(made: &Made, found: &[Effect]) -> Option<f64> {
+    let last = made.motions.len() - 1;
+    let (rig, exact, experiment) = (&made.rig, &made.motions[last], &made.experiments[last]);
+    let from = if last == 0 { made.split } else { 0 };
+    let tail = |forces: Vec<Vec<f64>>| forces.into_iter().map(|f| f[from..].to_vec()).collect::<Vec<_>>();
+    let due = tail(missing(rig, exact, experiment));
+    let got = tail(on_masses(rig, found, exact, &experiment.times)?);
+    Some(error(&got, &due, &exact.stuck[from..])).filter(|e| e.is_finite())
 }
 
 /// Displacement and velocity of a place along a record.

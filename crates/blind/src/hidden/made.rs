@@ -1,18 +1,20 @@
 //! One set, drawn until it is fair.
 
 use super::determined::determined;
-use super::effect::{Effect, Scales, draw, draw_input, draw_sensor};
-use super::experiment::{experiments, first_part, first_part_of_motion};
-use super::fair::{steady, visible};
+use super::effect::{Effect, Scales, draw};
+use super::experiment::{Length, experiments, first_part, first_part_of_motion};
+use super::fair::{possible, steady, visible};
+use super::independent;
+use super::instrument::{draw_constant, draw_input, draw_sensor};
 use super::motion::{ACCELERATION, Experiment, Motion, earlier, motion};
 use super::never;
 use super::outside;
 use super::place::{Place, places};
 use super::rig::{Constant, Drive, Extra, Line, Rig};
-use super::rivals::{Judgement, Seen, judge, largest, place_motion};
+use super::rivals::{Judgement, Seen, judge, largest, near, place_motion};
 use super::told::{alternatives, described, hidden};
 use super::truth::{Gaps, Truth};
-use super::wish::{HOLDING, Kind, Wish};
+use super::wish::{HOLDING, Kind, Purpose, Wish};
 use crate::args::Sensors;
 use crate::dice::{Dice, rounded};
 use phisindy_signal::standard_deviation;
@@ -28,6 +30,12 @@ const MARGIN: f64 = 20.0;
 const VISIBLE: f64 = 200.0;
 /// The least residual of the catalogue for an effect outside of it, in units of the noise.
 const REMAINDER: f64 = 0.4;
+
+/// Records of blind sets, and of worlds, of which many are run.
+const LONG: Length = Length { periods: (10.0, 40.0), samples: (2000, 6000), a_period: 60.0 };
+const SHORT: Length = Length { periods: (5.0, 11.0), samples: (200, 380), a_period: 20.0 };
+/// The least chi square of the hidden cause of a world: five standard deviations for an observer who knows it.
+pub(super) const SEEN: f64 = 25.0;
 
 /// Laws of several numbers that only some motions tell apart.
 const DETERMINED: &[&str] =
@@ -80,24 +88,26 @@ fn attempt(wish: &Wish, dice: &mut Dice) -> Result<Made, &'static str> {
     let friction = match &wish.kind {
         Kind::Laws(laws) => laws.iter().any(|l| HOLDING.contains(l)),
         Kind::Outside(kind) => kind.ends_with("friction"),
-        Kind::Nothing => false,
+        Kind::Nothing | Kind::Constant(_) => false,
     };
+    let world = matches!(wish.purpose, Purpose::World(_));
     let mut rig = Rig::draw(dice, wish.two_masses, friction && wish.holds);
     // A single cosine draws one closed curve over displacement and velocity, along which many formulas are
     // the same.
     let forced = matches!(rig.drive, Drive::Explicit(_) | Drive::Force(_)) && rig.lines.len() > 1;
-    if wish.told.is_some() && !forced {
+    if matches!(wish.purpose, Purpose::Formula(_)) && !forced {
         return Err("not forced by several cosines");
     }
     if wish.kind == Kind::Nothing && dice.chance(0.25) {
         add_nonlinear_term(&mut rig, dice);
     }
-    if wish.told.is_none() {
+    if !matches!(wish.purpose, Purpose::Formula(_)) {
         movables(&mut rig, wish, dice);
     }
-    let (experiments, split) = experiments(&rig, dice);
+    let (experiments, split) = experiments(&rig, if world { &SHORT } else { &LONG }, dice);
+    let simulated = if world { independent::motion } else { motion };
     let run = |effects: &[Effect], before: f64| -> Result<Vec<Motion>, &'static str> {
-        let one = |c: &Experiment| motion(&rig, effects, c, before).map_err(|_| "not simulated");
+        let one = |c: &Experiment| simulated(&rig, effects, c, before).map_err(|_| "not simulated");
         experiments.iter().map(one).collect()
     };
     let mut base = run(&[], 0.0)?;
@@ -133,7 +143,7 @@ fn attempt(wish: &Wish, dice: &mut Dice) -> Result<Made, &'static str> {
     )?;
     let drawn = Drawn { rig, effects, experiments, motions, base, measured, split };
     let judgement = drawn.judgement(wish, gaps, &sigma)?;
-    if !steady(&drawn.rig, &drawn.effects, &drawn.experiments, &drawn.motions, before, wish.noise) {
+    if !world && !steady(&drawn.rig, &drawn.effects, &drawn.experiments, &drawn.motions, before, wish.noise) {
         return Err("the motion is too sensitive to its start");
     }
     let truth = drawn.truth(wish, &records, gaps, stuck_share, judgement, &sigma);
@@ -165,6 +175,7 @@ fn add_nonlinear_term(rig: &mut Rig, dice: &mut Dice) {
 fn check_sticking(wish: &Wish, friction: bool, motions: &[Motion]) -> Result<f64, &'static str> {
     let stuck = motions[0].stuck.iter().filter(|s| **s).count() as f64 / motions[0].stuck.len() as f64;
     if friction
+        && !matches!(wish.purpose, Purpose::World(_))
         && (wish.holds != (stuck > 0.02) || (!wish.holds && motions.iter().any(|m| m.stuck.contains(&true))))
     {
         return Err("sticking is not as wished");
@@ -203,15 +214,25 @@ fn add_sensor_noise(
     let (mut fit, mut validate) = ((0.0, 0usize), (0.0, 0usize));
     for (r, (experiment, motion)) in experiments.iter().zip(motions).enumerate() {
         let mut columns = Vec::new();
-        for (state, name) in measured {
+        for (k, (state, name)) in measured.iter().enumerate() {
             let exact = motion.reading(*state, masses);
-            let deviation = wish.noise * standard_deviation(exact);
+            // A sensor's noise does not know how far a run goes.
+            let own = matches!(wish.purpose, Purpose::World(_)).then(|| sigma.get(k).copied()).flatten();
+            let deviation = own.unwrap_or(wish.noise * standard_deviation(exact));
             if deviation <= 0.0 || !deviation.is_finite() {
                 return Err("nothing moves");
             }
-            let mut noisy = exact.clone();
-            let mut stream = streams.stream(&format!("noise of {name} in {r}"));
-            add_noise(&mut noisy, Noise::Sensor(deviation), &mut stream);
+            let purpose = format!("noise of {name} in {r}");
+            let noisy = match wish.purpose {
+                Purpose::World(noise) => {
+                    noise.read(exact, deviation, &mut Dice::new(streams.seed(&purpose), ""))
+                }
+                Purpose::Blind | Purpose::Formula(_) => {
+                    let mut noisy = exact.clone();
+                    add_noise(&mut noisy, Noise::Sensor(deviation), &mut streams.stream(&purpose));
+                    noisy
+                }
+            };
             if r == 0 {
                 sigma.push(deviation);
             }
@@ -255,7 +276,9 @@ impl Drawn {
         if wish.kind == Kind::Nothing {
             return Ok(Judgement::default());
         }
-        if !(GAPS.0..=GAPS.1).contains(&gaps.validate) || !(GAPS.0..=1.5 * GAPS.1).contains(&gaps.fit) {
+        let world = matches!(wish.purpose, Purpose::World(_));
+        let fair = (GAPS.0..=GAPS.1).contains(&gaps.validate) && (GAPS.0..=1.5 * GAPS.1).contains(&gaps.fit);
+        if !world && !fair {
             return Err("the gap is too small or too large");
         }
         let experiment = first_part(&self.experiments[0], self.split);
@@ -271,9 +294,21 @@ impl Drawn {
             base: &base,
             columns: &columns,
         };
-        visible(&seen)?;
-        let judgement = judge(&seen);
-        if let Some(accuracy) = wish.told {
+        if world { possible(&seen) } else { visible(&seen) }?;
+        let mut judgement = judge(&seen);
+        let outside = matches!(wish.kind, Kind::Outside(_));
+        if world {
+            if judgement.visible < SEEN {
+                return Err("start states and constants absorb it");
+            }
+            if outside && self.effects.iter().all(Effect::is_force) {
+                let (apart, near) = near(&seen);
+                judgement.apart = Some(apart);
+                judgement.same.extend(near);
+            }
+            return Ok(judgement);
+        }
+        if let Purpose::Formula(accuracy) = wish.purpose {
             let freedom: usize = self.effects.iter().map(Effect::freedom).sum();
             let error = (freedom as f64 / judgement.visible).sqrt();
             let measured: Vec<(usize, f64)> = columns.iter().map(|(k, _, noise)| (*k, *noise)).collect();
@@ -281,7 +316,6 @@ impl Drawn {
                 && determined(&self.rig, &self.effects, &self.experiments[0], self.split, &measured);
             return if told { Ok(judgement) } else { Err("the record does not tell the force") };
         }
-        let outside = matches!(wish.kind, Kind::Outside(_));
         if judgement.visible < VISIBLE {
             return Err("start states and constants absorb it");
         }
@@ -323,6 +357,7 @@ impl Drawn {
             Kind::Laws(laws) if laws.len() == 1 => "one",
             Kind::Laws(_) => "two",
             Kind::Outside(_) => "outside",
+            Kind::Constant(_) => "constant",
         };
         let movable = rig.constants.iter().filter(|c| c.movable.is_some());
         Truth {
@@ -345,6 +380,13 @@ impl Drawn {
             movable: movable.map(|c| (c.name.clone(), c.value)).collect(),
             rig: described(rig, records.len()),
             samples,
+            apart: judgement.apart,
+            shown: judgement.apart.map(|_| judgement.shown),
+            noise_kind: match wish.purpose {
+                Purpose::World(noise) => noise.name(),
+                Purpose::Blind | Purpose::Formula(_) => "white",
+            }
+            .to_owned(),
         }
     }
 }
@@ -409,6 +451,8 @@ fn effects(
         Scales { x, v, force, time: experiment.times[experiment.times.len() - 1] }
     };
     let duration = experiment.times[experiment.times.len() - 1];
+    let columns: Vec<(String, f64)> =
+        rig.x.iter().chain(&rig.v).cloned().zip(base.states.iter().map(|x| largest(x))).collect();
     let mut out: Vec<Effect> = Vec::new();
     let laws: &[&str] = match &wish.kind {
         Kind::Nothing => &[],
@@ -416,19 +460,15 @@ fn effects(
         Kind::Outside(kind) => {
             let place = dice.pick(&all);
             let drawn = never::draw(kind, place, scales(place), dice)
-                .or_else(|| outside::draw(kind, place, scales(place), rig, duration, dice, wish.holds));
+                .or_else(|| outside::draw(kind, place, scales(place), rig, duration, dice, wish.holds))
+                .or_else(|| draw_sensor(kind, &columns, rig.count(), rig.natural, dice));
             return drawn.map(|e| vec![e]).ok_or("no such effect");
+        }
+        Kind::Constant(letter) => {
+            return draw_constant(letter, rig, dice).map(|e| vec![e]).ok_or("no such constant");
         }
     };
     for law in laws {
-        let columns: Vec<(String, f64)> = (0..2 * rig.count())
-            .map(|k| {
-                (
-                    if k < rig.count() { rig.x[k].clone() } else { rig.v[k - rig.count()].clone() },
-                    largest(&base.states[k]),
-                )
-            })
-            .collect();
         let of_instrument = draw_sensor(law, &columns, rig.count(), rig.natural, dice);
         let effect = match of_instrument.or_else(|| draw_input(law, rig, dice)) {
             Some(effect) => effect,

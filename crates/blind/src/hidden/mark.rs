@@ -7,6 +7,11 @@ use std::collections::BTreeMap;
 
 /// A value within this relative error is right.
 const WITHIN: f64 = 0.05;
+/// An interval of 95 % misses by this many half-widths once in ten thousand.
+const FAR: f64 = 2.0;
+/// What the program says where it has an answer.
+const STATUS: &[&str] =
+    &["nothing-missing", "explained", "described", "named", "unexplained", "undetermined", "contradictory"];
 
 /// How the workflow named the effects of a set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,6 +41,8 @@ pub(super) struct Mark {
     pub(super) told: bool,
     /// The number of 95 % intervals, and of those that contain the truth.
     pub(super) intervals: (usize, usize),
+    /// Whether one of these misses it by [`FAR`] half-widths or more.
+    pub(super) far: bool,
     /// The final gap on the Validate record.
     pub(super) after: Option<f64>,
     pub(super) seconds: Option<f64>,
@@ -55,24 +62,20 @@ impl Mark {
 
 /// Compares a result of `gap --format json` with the truth.
 pub(super) fn mark(truth: &Truth, result: &Value) -> Mark {
-    let steps: Vec<&Value> = result["steps"].as_array().map_or(vec![], |s| s.iter().collect());
+    let steps = steps(result);
     let word = |value: &Value| value.as_str().unwrap_or("").to_owned();
-    let named: Vec<Placed> =
-        steps.iter().map(|s| Placed { law: word(&s["law"]), at: word(&s["at"]) }).collect();
+    let named: Vec<Placed> = steps.iter().map(|step| placed(step)).collect();
     let status = word(&result["status"]);
-    let own: Vec<Placed> =
-        truth.effects.iter().map(|e| Placed { law: e.law.clone(), at: e.at.clone() }).collect();
+    let own = own(truth);
     let alike = |set: &Vec<Placed>| sorted(set) == sorted(&named);
     let verdict = match truth.kind.as_str() {
-        _ if !matches!(status.as_str(), "nothing-missing" | "explained" | "described" | "unexplained") => {
-            Verdict::Failed
-        }
+        _ if !STATUS.contains(&status.as_str()) => Verdict::Failed,
         "nothing" if !named.is_empty() => Verdict::FalseAlarm,
         "nothing" if status == "nothing-missing" => Verdict::Right,
         // No law is named; a formula is none of the catalogue.
         "outside" if matches!(status.as_str(), "unexplained" | "described") => Verdict::Right,
-        "one" | "two" if alike(&own) => Verdict::Right,
-        "one" | "two" if truth.alternatives.iter().any(alike) => Verdict::Equivalent,
+        "one" | "two" | "constant" if alike(&own) => Verdict::Right,
+        "one" | "two" | "constant" if truth.alternatives.iter().any(alike) => Verdict::Equivalent,
         _ => Verdict::Wrong,
     };
     let mut mark = Mark {
@@ -82,10 +85,11 @@ pub(super) fn mark(truth: &Truth, result: &Value) -> Mark {
         errors: BTreeMap::new(),
         told: true,
         intervals: (0, 0),
+        far: false,
         after: result["final"]["validate"].as_f64(),
         seconds: result["seconds"].as_f64(),
     };
-    if verdict == Verdict::Right && matches!(truth.kind.as_str(), "one" | "two") {
+    if verdict == Verdict::Right && matches!(truth.kind.as_str(), "one" | "two" | "constant") {
         for effect in &truth.effects {
             let same = |s: &&&Value| {
                 word(&s["law"]) == effect.law && same_place(&word(&s["at"])) == same_place(&effect.at)
@@ -98,13 +102,29 @@ pub(super) fn mark(truth: &Truth, result: &Value) -> Mark {
     mark
 }
 
+/// The steps of a result.
+pub(super) fn steps(result: &Value) -> Vec<&Value> {
+    result["steps"].as_array().map_or(vec![], |s| s.iter().collect())
+}
+
+/// Law and place of a step.
+pub(super) fn placed(step: &Value) -> Placed {
+    let word = |value: &Value| value.as_str().unwrap_or("").to_owned();
+    Placed { law: word(&step["law"]), at: word(&step["at"]) }
+}
+
+/// Laws and places of the truth.
+pub(super) fn own(truth: &Truth) -> Vec<Placed> {
+    truth.effects.iter().map(|e| Placed { law: e.law.clone(), at: e.at.clone() }).collect()
+}
+
 /// A set of effects in words.
 pub(super) fn words(set: &[Placed]) -> String {
     let one = |p: &Placed| format!("{} at {}", p.law, p.at);
     if set.is_empty() { "nothing".to_owned() } else { set.iter().map(one).collect::<Vec<_>>().join(" + ") }
 }
 
-fn sorted(set: &[Placed]) -> Vec<(String, String)> {
+pub(super) fn sorted(set: &[Placed]) -> Vec<(String, String)> {
     let mut all: Vec<(String, String)> = set.iter().map(|p| (p.law.clone(), same_place(&p.at))).collect();
     all.sort();
     all
@@ -129,6 +149,7 @@ fn values(effect: &Hidden, step: &Value, mark: &mut Mark) {
             mark.intervals.0 += 1;
             mark.told &= effect.law == "dead-zone" || 0.5 * (high - low) <= WITHIN * size;
             mark.intervals.1 += usize::from((low + shift..=high + shift).contains(&value));
+            mark.far |= (0.5 * (low + high) + shift - value).abs() > FAR * 0.5 * (high - low);
         }
     }
     if effect.law == "dead-zone"
@@ -175,13 +196,13 @@ fn turn(angle: f64) -> f64 {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::super::truth::Gaps;
     use super::*;
 
     type Told<'a> = (&'a str, &'a str, &'a [(&'a str, f64)]);
 
-    fn truth(kind: &str, effects: &[Told<'_>]) -> Truth {
+    pub(in super::super) fn truth(kind: &str, effects: &[Told<'_>]) -> Truth {
         let hidden = |(law, at, parameters): &Told<'_>| Hidden {
             law: (*law).to_owned(),
             at: (*at).to_owned(),
@@ -205,6 +226,9 @@ mod tests {
             movable: BTreeMap::new(),
             rig: String::new(),
             samples: [10, 10],
+            apart: None,
+            shown: None,
+            noise_kind: "white".to_owned(),
         }
     }
 

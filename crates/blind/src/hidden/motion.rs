@@ -73,9 +73,11 @@ pub(super) fn motion(
     experiment: &Experiment,
     before: f64,
 ) -> Result<Motion, String> {
-    let (model, values, start) = model(rig, effects, experiment)?;
+    let of = equations(rig, effects, experiment);
+    let model = model(rig, &of)?;
     let automaton = Automaton::new(&model).map_err(|e| e.message(&model.names))?;
-    let drive = Drive { inputs: &[], parameters: &values };
+    let drive = Drive { inputs: &[], parameters: &of.constants };
+    let start = &of.start;
     let n = start.len();
     let times = &experiment.times;
     let coarse = Options {
@@ -85,33 +87,59 @@ pub(super) fn motion(
         max_steps: STEPS,
         ..Options::default()
     };
-    let rough = simulate(&automaton, &drive, -before, &start, times, &coarse).map_err(|e| e.to_string())?;
+    let rough = simulate(&automaton, &drive, -before, start, times, &coarse).map_err(|e| e.to_string())?;
     let largest = |k: usize| rough.states.iter().skip(k).step_by(n).fold(0.0_f64, |m, x| m.max(x.abs()));
     let scale: Vec<f64> = (0..n).map(|k| if largest(k) > 0.0 { largest(k) } else { 1.0 }).collect();
     let fine = Options { tolerance: TOLERANCE, scale, diverged: 1e6, max_steps: STEPS, ..Options::default() };
-    let run = |times: &[f64]| {
-        simulate(&automaton, &drive, -before, &start, times, &fine).map_err(|e| e.to_string())
-    };
+    let run =
+        |times: &[f64]| simulate(&automaton, &drive, -before, start, times, &fine).map_err(|e| e.to_string());
     let now = run(times)?;
-    let seen = 2 * rig.count();
-    let mut readings: Vec<Vec<f64>> = (0..seen).map(|k| now.column(k)).collect();
+    let states = |past: Trajectory| (0..n).map(|k| past.column(k)).collect();
+    let past = |late: f64| run(&times.iter().map(|t| t - late).collect::<Vec<_>>()).map(states);
+    let exact = (0..2 * rig.count()).map(|k| now.column(k)).collect();
+    let readings = read(exact, effects, times, past)?;
+    Ok(sampled(now, readings))
+}
+
+/// What the sensors read of displacements and velocities, of which `past` gives those of so many seconds ago.
+///
+/// # Errors
+/// Those of `past`.
+pub(super) fn read(
+    mut readings: Vec<Vec<f64>>,
+    effects: &[Effect],
+    times: &[f64],
+    past: impl Fn(f64) -> Result<Vec<Vec<f64>>, String>,
+) -> Result<Vec<Vec<f64>>, String> {
     for effect in effects {
-        if let Action::Sensor { column, property, value } = effect.action {
-            let columns = (0..seen).filter(|k| column.is_none_or(|c| c == *k));
-            let past = match property {
-                Property::Delay => Some(run(&times.iter().map(|t| t - value).collect::<Vec<_>>())?),
-                Property::Gain | Property::Offset => None,
-            };
-            for k in columns {
-                match &past {
-                    Some(past) => readings[k] = past.column(k),
-                    None if property == Property::Gain => readings[k].iter_mut().for_each(|y| *y *= value),
-                    None => readings[k].iter_mut().for_each(|y| *y += value),
-                }
+        let Action::Sensor { column, property, value } = effect.action else { continue };
+        let late = if property == Property::Delay { Some(past(value)?) } else { None };
+        for k in (0..readings.len()).filter(|k| column.is_none_or(|c| c == *k)) {
+            let column = &mut readings[k];
+            match property {
+                Property::Delay => late.iter().for_each(|late| column.clone_from(&late[k])),
+                Property::Gain => column.iter_mut().for_each(|y| *y *= value),
+                Property::Offset => column.iter_mut().for_each(|y| *y += value),
+                Property::Clip => column.iter_mut().for_each(|y| *y = y.clamp(-value, value)),
+                Property::Bend => column.iter_mut().for_each(|y| *y += value * *y * *y),
+                Property::Lag => follow(column, times, value),
             }
         }
     }
-    Ok(sampled(now, readings))
+    Ok(readings)
+}
+
+/// A column behind a low-pass of first order, straight between its samples.
+fn follow(column: &mut [f64], times: &[f64], lag: f64) {
+    let (mut held, mut before) = (column[0], column[0]);
+    for k in 1..column.len() {
+        let step = times[k] - times[k - 1];
+        let (stays, slope) = ((-step / lag).exp(), (column[k] - before) / step);
+        // The response to a straight line is that line a lag later, and what dies out.
+        held = column[k] - slope * lag + (held - before + slope * lag) * stays;
+        before = column[k];
+        column[k] = held;
+    }
 }
 
 fn sampled(run: Trajectory, readings: Vec<Vec<f64>>) -> Motion {
@@ -137,17 +165,25 @@ fn acting(lines: &[Line], effects: &[Effect]) -> Vec<Line> {
     all
 }
 
-/// The model with all hidden effects, the values of its parameters, and its start state.
-fn model(
-    rig: &Rig,
-    effects: &[Effect],
-    experiment: &Experiment,
-) -> Result<(Model, Vec<f64>, Vec<f64>), String> {
-    let (value, slope) = Rig::driven(&acting(&experiment.lines, effects));
+/// The rig with all hidden effects: names of its states, their rates as text, and their start.
+pub(super) struct Equations {
+    pub(super) names: Vec<String>,
+    /// Over states, constants, `t`, and the drive as `DRIVE` or `u` and `du`.
+    pub(super) rates: Vec<String>,
+    pub(super) start: Vec<f64>,
+    /// What the constants are in truth.
+    pub(super) constants: Vec<f64>,
+    /// The drive that acts.
+    pub(super) lines: Vec<Line>,
+}
+
+/// The equations of an experiment.
+pub(super) fn equations(rig: &Rig, effects: &[Effect], experiment: &Experiment) -> Equations {
     let mut rates = rig.rates("DRIVE", "u", "du");
-    let mut names: Vec<&str> = rig.x.iter().chain(&rig.v).map(String::as_str).collect();
+    let mut names: Vec<String> = rig.x.iter().chain(&rig.v).cloned().collect();
     let mut own = Vec::new();
     let mut start = experiment.start.clone();
+    let mut constants: Vec<f64> = rig.constants.iter().map(|c| c.value).collect();
     for effect in effects {
         match &effect.action {
             Action::Force { place, force, internal } => {
@@ -157,26 +193,33 @@ fn model(
                     rates[mass] += &format!(" + ({factor:e})*({force})");
                 }
                 for (name, rate) in internal {
-                    names.push(name);
+                    names.push(name.clone());
                     own.push(effect.written(rate, experiment.second));
                     start.push(0.0);
                 }
             }
             Action::Factor { mass, factor } => rates[*mass] = format!("({})*({factor})", rates[*mass]),
+            Action::Constant { index, value } => constants[*index] = *value,
             Action::Sensor { .. } | Action::Input { .. } => {}
         }
     }
     let mut all: Vec<String> = rig.v.clone();
     all.extend(rates);
     all.extend(own);
+    Equations { names, rates: all, start, constants, lines: acting(&experiment.lines, effects) }
+}
+
+/// The equations as a model of the simulator.
+fn model(rig: &Rig, of: &Equations) -> Result<Model, String> {
+    let (value, slope) = Rig::driven(&of.lines);
     let driven = |name: &str| match name {
         "DRIVE" | "u" => Some(value.as_str()),
         "du" => Some(slope.as_str()),
         _ => None,
     };
-    let all: Vec<String> = all.iter().map(|text| substitute(text, driven)).collect();
+    let all: Vec<String> = of.rates.iter().map(|text| substitute(text, driven)).collect();
     let texts: Vec<&str> = all.iter().map(String::as_str).collect();
+    let names: Vec<&str> = of.names.iter().map(String::as_str).collect();
     let parameters: Vec<&str> = rig.constants.iter().map(|c| c.name.as_str()).collect();
-    let model = Model::build(&names, &[], &parameters, &texts)?;
-    Ok((model, rig.constants.iter().map(|c| c.value).collect(), start))
+    Model::build(&names, &[], &parameters, &texts)
 }

@@ -17,6 +17,19 @@ pub(super) const KINDS: &[&str] = &[
     "chirp-force",
 ];
 
+/// Those that only worlds have: another law of the decks would change the sets of every seed.
+pub(super) const WORLD: &[&str] = &[
+    "odd-exponential-damper",
+    "position-speed-force",
+    "leaky-hysteresis",
+    "several-tones",
+    "pulse-force",
+    "nonlinear-hanging-body",
+];
+
+/// Faults of sensors.
+pub(super) const SENSORS: &[&str] = &["clipped-sensor", "bent-sensor", "slow-sensor"];
+
 /// Draws one of them.
 pub(super) fn draw(
     kind: &str,
@@ -63,6 +76,57 @@ pub(super) fn draw(
             ],
             "(-A*cos(w*t + r*t^2 + b))",
         ),
+        "odd-exponential-damper" => (
+            vec![("A", dice.log(0.3, 3.0) * s.force / s.v.powi(3)), ("s", dice.between(0.2, 0.6) * s.v)],
+            "A*Y^3*exp(-abs(Y)/s)",
+        ),
+        "position-speed-force" => (
+            vec![
+                ("A", dice.sign() * dice.log(0.1, 0.8) * s.force / (s.x * s.v)),
+                ("B", dice.log(0.1, 0.8) * s.force / (s.x.powi(3) * s.v.powi(2))),
+            ],
+            "A*X*Y + B*X^3*Y^2",
+        ),
+        "leaky-hysteresis" => {
+            let d = dice.between(0.15, 0.6) * s.x;
+            internal = vec![("z".to_owned(), "Y - abs(Y)*z/d - z/T".to_owned())];
+            (vec![("A", dice.log(0.1, 0.6) * s.force / d), ("d", d), ("T", dice.log(0.5, 4.0) / w0)], "A*z")
+        }
+        "several-tones" => (
+            vec![
+                ("A", a),
+                ("a", w0 * dice.between(0.2, 0.6)),
+                ("B", a * dice.between(0.4, 1.0)),
+                ("b", w0 * dice.between(0.7, 1.3)),
+                ("C", a * dice.between(0.4, 1.0)),
+                ("c", w0 * dice.between(1.4, 2.2)),
+                ("f", phase),
+            ],
+            "(-(A*cos(a*t + f) + B*cos(b*t + 2*f) + C*cos(c*t - f)))",
+        ),
+        "pulse-force" => (
+            vec![
+                ("A", dice.sign() * dice.log(0.1, 1.5) * s.force),
+                ("T", duration * dice.between(0.15, 0.5)),
+                ("s", dice.log(0.3, 3.0) / w0),
+            ],
+            "(-A*exp(-((t-T)/s)^2))",
+        ),
+        "nonlinear-hanging-body" => {
+            let (m, w) = (rig.mass[place.parts[0].0] * dice.log(0.05, 0.4), w0 * dice.log(0.5, 2.0));
+            let hung = "k*hs + q*hs^3 + c*(Y - hw)";
+            internal = vec![("hs".to_owned(), "Y - hw".to_owned()), ("hw".to_owned(), format!("({hung})/m"))];
+            let k = m * w * w;
+            (
+                vec![
+                    ("k", k),
+                    ("q", k * dice.log(0.3, 5.0) / (s.x * s.x)),
+                    ("m", m),
+                    ("c", 2.0 * dice.log(0.02, 0.2) * m * w),
+                ],
+                "(k*hs + q*hs^3 + c*(Y - hw))",
+            )
+        }
         "time-varying-mass" => {
             let mass = place.parts[0].0;
             let (e, w) = (rounded(dice.log(0.03, 0.5)), rounded(w0 * dice.between(0.1, 0.7)));

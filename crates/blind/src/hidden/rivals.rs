@@ -5,6 +5,7 @@
 //! effect in this record, or the set is too hard to be fair.
 
 use super::effect::{Action, Effect, Property};
+use super::force::missing;
 use super::linear::Linear;
 use super::motion::{ACCELERATION, Experiment, Motion};
 use super::place::{Place, places};
@@ -45,6 +46,10 @@ pub(super) struct Judgement {
     pub(super) same: Vec<Named>,
     /// The residual of the best rival, rms in units of the noise.
     pub(super) remainder: f64,
+    /// The chi square that the best single law leaves.
+    pub(super) shown: f64,
+    /// The part of the force itself that the best law leaves, if that was asked.
+    pub(super) apart: Option<f64>,
 }
 
 /// A rival law at a place with fixed inner parameters.
@@ -64,37 +69,48 @@ struct Comparison<'a> {
     every: usize,
     columns: Vec<Vec<f64>>,
     rivals: Vec<Rival>,
+    /// Forces themselves are compared, not what they do to the columns.
+    bare: bool,
+}
+
+/// A description that leaves no more of a force than this part, rms over rms, is that force.
+pub(super) const NEAR: f64 = 0.05;
+
+/// The part of the force that the best law leaves of it, rms over rms, where the numbers of each are on the grids of the
+/// rivals and its coefficients fitted by least squares; and the laws and pairs that leave less than [`NEAR`]. While a
+/// contact holds, its friction is no force of a law.
+pub(super) fn near(seen: &Seen<'_>) -> (f64, Vec<Named>) {
+    let mut c = Comparison::new(seen, true);
+    let (columns, target) = c.columns();
+    let (products, loads) = products(&columns, &target);
+    let total = dot(&target, &target);
+    let left = |of: &[&Rival]| {
+        let chosen: Vec<usize> = of.iter().flat_map(|r| r.columns.iter().copied()).collect();
+        (1.0 - explained(&products, &loads, &chosen) / total).max(0.0).sqrt()
+    };
+    let (mut apart, mut all) = (1.0_f64, Vec::<Named>::new());
+    let mut add = |of: &[&Rival]| {
+        let mut named: Named = of.iter().map(|r| (r.law.to_owned(), r.at.clone())).collect();
+        named.sort();
+        if !all.contains(&named) {
+            all.push(named);
+        }
+    };
+    for (i, a) in c.rivals.iter().enumerate() {
+        let one = left(&[a]);
+        apart = apart.min(one);
+        if one < NEAR {
+            add(&[a]);
+        }
+        c.rivals[..i].iter().filter(|b| left(&[a, b]) < NEAR).for_each(|b| add(&[a, b]));
+    }
+    (apart, all)
 }
 
 /// Compares the truth with all singles and pairs of the catalogue.
 pub(super) fn judge(seen: &Seen<'_>) -> Judgement {
-    let step = seen.experiment.times[1] - seen.experiment.times[0];
-    let samples = seen.experiment.times.len();
-    let mut c = Comparison {
-        seen,
-        linear: Linear::new(seen.rig, step),
-        stuck_masses: stuck_masses(seen),
-        every: (samples / ROWS).max(1),
-        columns: vec![],
-        rivals: vec![],
-    };
-    let mut nuisance = c.nuisance();
-    let mut target = c.target();
-    for place in places(seen.rig) {
-        c.at(&place);
-    }
-    c.sensors();
-    // Start states and movable constants absorb what they can.
-    orthonormal(&mut nuisance);
-    nuisance.iter().for_each(|z| remove(&mut target, z));
-    let mut columns = std::mem::take(&mut c.columns);
-    for column in &mut columns {
-        let before = dot(column, column);
-        nuisance.iter().for_each(|z| remove(column, z));
-        let after = dot(column, column);
-        let scale = if after > 1e-12 * before && after > 0.0 { 1.0 / after.sqrt() } else { 0.0 };
-        column.iter_mut().for_each(|x| *x *= scale);
-    }
+    let mut c = Comparison::new(seen, false);
+    let (columns, target) = c.columns();
     c.verdict(&columns, &target)
 }
 
@@ -131,7 +147,44 @@ pub(super) fn largest(x: &[f64]) -> f64 {
     x.iter().fold(0.0, |m, x| m.max(x.abs()))
 }
 
-impl Comparison<'_> {
+impl<'a> Comparison<'a> {
+    fn new(seen: &'a Seen<'a>, bare: bool) -> Self {
+        let step = seen.experiment.times[1] - seen.experiment.times[0];
+        Comparison {
+            seen,
+            linear: Linear::new(seen.rig, step),
+            stuck_masses: stuck_masses(seen),
+            every: if bare { 1 } else { (seen.experiment.times.len() / ROWS).max(1) },
+            columns: vec![],
+            rivals: vec![],
+            bare,
+        }
+    }
+
+    /// The columns of all rivals, normalised, and what is to be explained, both without what start states and movable
+    /// constants absorb.
+    fn columns(&mut self) -> (Vec<Vec<f64>>, Vec<f64>) {
+        let mut nuisance = self.nuisance();
+        let mut target = self.target();
+        for place in places(self.seen.rig) {
+            self.at(&place);
+        }
+        if !self.bare {
+            self.sensors();
+        }
+        orthonormal(&mut nuisance);
+        nuisance.iter().for_each(|z| remove(&mut target, z));
+        let mut columns = std::mem::take(&mut self.columns);
+        for column in &mut columns {
+            let before = dot(column, column);
+            nuisance.iter().for_each(|z| remove(column, z));
+            let after = dot(column, column);
+            let scale = if after > 1e-12 * before && after > 0.0 { 1.0 / after.sqrt() } else { 0.0 };
+            column.iter_mut().for_each(|x| *x *= scale);
+        }
+        (columns, target)
+    }
+
     /// Samples of the columns as one vector in units of the noise.
     fn rows(&self, states: &dyn Fn(usize) -> Option<Vec<f64>>) -> Vec<f64> {
         let weight = (self.every as f64).sqrt();
@@ -154,23 +207,29 @@ impl Comparison<'_> {
     /// The response to a force at a place. A mass that sticks does not respond.
     fn force(&self, parts: &[(usize, f64)], values: &[f64]) -> Vec<f64> {
         let mut sum: Option<Vec<f64>> = None;
+        let mut forces = vec![vec![0.0; values.len()]; if self.bare { self.seen.rig.count() } else { 0 }];
         for &(mass, sign) in parts {
             let free: Vec<f64> =
                 values.iter().zip(&self.stuck_masses[mass]).map(|(f, h)| if *h { 0.0 } else { *f }).collect();
+            if self.bare {
+                forces[mass] = free.iter().map(|f| sign * f).collect();
+                continue;
+            }
             let rows = self.states(&self.linear.response(&[(mass, sign)], &free));
             sum = Some(match sum {
                 Some(sum) => sum.iter().zip(&rows).map(|(a, b)| a + b).collect(),
                 None => rows,
             });
         }
-        sum.unwrap_or_default()
+        sum.unwrap_or_else(|| forces.concat())
     }
 
     fn nuisance(&self) -> Vec<Vec<f64>> {
         let (seen, rig) = (self.seen, self.seen.rig);
         let samples = seen.experiment.times.len();
+        let starts = if self.bare { 0 } else { 2 * rig.count() };
         let mut all: Vec<Vec<f64>> =
-            (0..2 * rig.count()).map(|k| self.states(&self.linear.start(k, samples))).collect();
+            (0..starts).map(|k| self.states(&self.linear.start(k, samples))).collect();
         for place in places(rig) {
             let (x, v) = place_motion(seen, &place);
             for (letter, values) in [("k", &x), ("c", &v)] {
@@ -196,18 +255,17 @@ impl Comparison<'_> {
         let (seen, rig) = (self.seen, self.seen.rig);
         let masses = rig.count();
         let motion = seen.motion;
-        let mut missing = vec![Vec::new(); masses];
-        for (i, &t) in seen.experiment.times.iter().enumerate() {
-            let state = |k: usize| motion.states[k][i];
-            let known = rig.acceleration(&state, Rig::drive_at(&seen.experiment.lines, t));
-            (0..masses).for_each(|m| missing[m].push((motion.rates[masses + m][i] - known[m]) * rig.mass[m]));
-        }
-        let mut target = self.rows(&|k| {
-            let (read, exact) = (motion.reading(k, masses), motion.quantity(k, masses));
-            Some(read.iter().zip(exact).map(|(y, x)| y - x).collect())
-        });
+        let missing = missing(rig, motion, seen.experiment);
+        let mut target = if self.bare {
+            vec![0.0; masses * seen.experiment.times.len()]
+        } else {
+            self.rows(&|k| {
+                let (read, exact) = (motion.reading(k, masses), motion.quantity(k, masses));
+                Some(read.iter().zip(exact).map(|(y, x)| y - x).collect())
+            })
+        };
         for (mass, values) in missing.iter().enumerate() {
-            let rows = self.force(&[(mass, 1.0)], values);
+            let rows = self.force(&[(mass, -1.0)], values);
             target.iter_mut().zip(&rows).for_each(|(t, r)| *t += r);
         }
         target
@@ -412,12 +470,7 @@ impl Comparison<'_> {
     }
 
     fn verdict(&self, columns: &[Vec<f64>], target: &[f64]) -> Judgement {
-        let products: Vec<Vec<f64>> = columns
-            .iter()
-            .enumerate()
-            .map(|(i, a)| columns[..=i].iter().map(|b| dot(a, b)).collect())
-            .collect();
-        let loads: Vec<f64> = columns.iter().map(|a| dot(a, target)).collect();
+        let (products, loads) = products(columns, target);
         let total = dot(target, target);
         let truth: BTreeSet<(String, String)> =
             self.seen.effects.iter().map(|e| (e.law.clone(), e.at.clone())).collect();
@@ -432,6 +485,7 @@ impl Comparison<'_> {
         let mut judgement = Judgement {
             margin: f64::INFINITY,
             remainder: f64::INFINITY,
+            shown: total,
             visible: total,
             ..Judgement::default()
         };
@@ -447,6 +501,9 @@ impl Comparison<'_> {
             }
             let chosen: Vec<usize> = members.iter().flat_map(|r| r.columns.iter().copied()).collect();
             let left = (total - explained(&products, &loads, &chosen)).max(0.0);
+            if members.len() == 1 {
+                judgement.shown = judgement.shown.min(left);
+            }
             let own = members.iter().map(|r| r.freedom).sum::<usize>() + members.len() - 1;
             judgement.remainder = judgement
                 .remainder
@@ -525,6 +582,12 @@ fn yielding(x: &[f64], d: f64, part: f64) -> Vec<f64> {
         out.push(z);
     }
     out
+}
+
+/// The products of columns with each other, below the diagonal, and with a target.
+fn products(columns: &[Vec<f64>], target: &[f64]) -> (Vec<Vec<f64>>, Vec<f64>) {
+    let row = |(i, a): (usize, &Vec<f64>)| columns[..=i].iter().map(|b| dot(a, b)).collect();
+    (columns.iter().enumerate().map(row).collect(), columns.iter().map(|a| dot(a, target)).collect())
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {

@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 /// A set that takes longer has failed.
-const PATIENCE: Duration = Duration::from_secs(1200);
+pub(super) const PATIENCE: Duration = Duration::from_secs(1200);
 
 /// Runs the sets without a result and compares all; none if the user stopped it.
 ///
@@ -53,7 +53,7 @@ fn marked(set: &Path, options: &Options, again: bool) -> Result<Option<Marked>> 
         if interrupt::requested() {
             return Ok(None);
         }
-        let Some(result) = run(set, &Program::find(options)?, &[], 1)? else { return Ok(None) };
+        let Some(result) = run(set, &Program::find(options)?, &[], 1, PATIENCE)? else { return Ok(None) };
         Folder::create(set)?.write("result.json", &(serde_json::to_string_pretty(&result)? + "\n"))?;
     }
     let result: Value = read(&kept, "is damaged; delete it to run its set again")?;
@@ -61,7 +61,7 @@ fn marked(set: &Path, options: &Options, again: bool) -> Result<Option<Marked>> 
     Ok(Some(Marked { set: name, mark: mark(&truth, &result), truth }))
 }
 
-fn read<T: serde::de::DeserializeOwned>(path: &Path, damaged: &str) -> Result<T> {
+pub(super) fn read<T: serde::de::DeserializeOwned>(path: &Path, damaged: &str) -> Result<T> {
     let shown = path.display();
     let text = std::fs::read_to_string(path).with_context(|| format!("cannot read `{shown}`"))?;
     serde_json::from_str(&text).with_context(|| format!("`{shown}` {damaged}"))
@@ -83,7 +83,13 @@ fn sets(folder: &Path) -> Result<Vec<PathBuf>> {
 
 /// Runs the workflow on a set as a user does, without some laws, with its messages in `gap.log`. None if the
 /// user stopped it.
-pub(super) fn run(set: &Path, program: &Program, without: &[&str], threads: u16) -> Result<Option<Value>> {
+pub(super) fn run(
+    set: &Path,
+    program: &Program,
+    without: &[&str],
+    threads: u16,
+    patience: Duration,
+) -> Result<Option<Value>> {
     let log = set.join("gap.log");
     let mut command = program.command();
     command.arg("gap").arg(set.join("spec.ron")).args(["--format", "json", "--quiet", "--jobs"]);
@@ -93,7 +99,7 @@ pub(super) fn run(set: &Path, program: &Program, without: &[&str], threads: u16)
     }
     // The data are only beside the spec.
     command.arg("--data").arg(set);
-    let Some(output) = program.output(&mut command, Some(PATIENCE))? else { return Ok(None) };
+    let Some(output) = program.output(&mut command, Some(patience))? else { return Ok(None) };
     // No messages, no file.
     if output.err.trim().is_empty() {
         let _ = std::fs::remove_file(&log);
@@ -104,7 +110,12 @@ pub(super) fn run(set: &Path, program: &Program, without: &[&str], threads: u16)
         |why: &str| json!({ "status": "failed", "error": why, "log": output.err, "seconds": output.seconds });
     Ok(Some(match output.status {
         None => failed("it took too long"),
-        Some(status) => serde_json::from_str(&output.out)
-            .unwrap_or_else(|_| failed(&format!("it printed no JSON and ended with {status}"))),
+        Some(status) => match serde_json::from_str::<Value>(&output.out) {
+            Ok(mut result) => {
+                result["exit"] = json!(status.code());
+                result
+            }
+            Err(_) => failed(&format!("it printed no JSON and ended with {status}")),
+        },
     }))
 }

@@ -1,6 +1,7 @@
 //! The truth in the form of `truth.json`.
 
 use super::effect::{Action, Effect};
+use super::place::places;
 use super::rig::{Drive, Rig};
 use super::rivals::{Judgement, only_column};
 use super::truth::{Hidden, Placed};
@@ -36,6 +37,13 @@ pub(super) fn alternatives(
     for (k, e) in effects.iter().enumerate() {
         let placed = |law: &str, at: &str| Placed { law: law.to_owned(), at: at.to_owned() };
         let mut more = Vec::new();
+        // A spring or a damper with another number is another number of the spec.
+        let letter = ["k", "c"][usize::from(e.law == "viscous")];
+        if matches!(e.law.as_str(), "stiffness" | "viscous")
+            && let Some(name) = constant_at(rig, &e.at, letter)
+        {
+            more.push(put(k, vec![placed(phisindy_gap::CHANGED, &name)]));
+        }
         if e.law == "asymmetric-coulomb" {
             more.push(put(k, vec![placed("coulomb", &e.at), placed("offset", &e.at)]));
         }
@@ -84,6 +92,14 @@ pub(super) fn alternatives(
     unique
 }
 
+/// The constant of a spring (`k`) or damper (`c`) that acts at a place and is not found by the model itself.
+fn constant_at(rig: &Rig, at: &str, letter: &str) -> Option<String> {
+    let place = places(rig).into_iter().find(|p| p.at == at && p.spring.is_some())?;
+    let number = if place.parts.len() == 2 { 1 } else { 2 * place.parts[0].0 };
+    let name = rig.named(letter, number);
+    rig.constants.iter().any(|c| c.name == name && c.movable.is_none()).then_some(name)
+}
+
 /// A delay or a gain of the one recorded drive and of the one column are the same: what acts late shows late,
 /// and on linear springs a scale of the drive is one of the motion.
 fn of_one_drive(e: &Effect, rig: &Rig, (columns, column): (usize, &str)) -> Vec<Placed> {
@@ -119,6 +135,7 @@ pub(super) fn hidden(effect: &Effect) -> Hidden {
         Action::Sensor { property, .. } => format!("{property:?}").to_lowercase(),
         Action::Input { gain, delay } => format!("the drive times {gain}, {delay} s later"),
         Action::Factor { factor, .. } => format!("rate times {factor}"),
+        Action::Constant { value, .. } => format!("it is {value}"),
     };
     let mut parameters: std::collections::BTreeMap<String, f64> =
         effect.parameters.iter().map(|(n, x)| ((*n).to_owned(), *x)).collect();

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 /// The truth of a set.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Truth {
-    /// `nothing`, `one`, `two` or `outside`.
+    /// `nothing`, `one`, `two`, `outside` or `constant`.
     pub(crate) kind: String,
     /// The hidden effects; `law` is a name for an effect outside the catalogue.
     pub(crate) effects: Vec<Hidden>,
@@ -41,6 +41,14 @@ pub(crate) struct Truth {
     pub(crate) rig: String,
     /// Samples of both records.
     pub(crate) samples: [usize; 2],
+    /// The part of a force of no catalogue that the best law of the catalogue leaves of it, rms over rms along
+    /// the Fit record; null for anything else, and in blind sets.
+    pub(crate) apart: Option<f64>,
+    /// The chi square that the best law leaves of it in these records, with free start states and constants; null where
+    /// `apart` is.
+    pub(crate) shown: Option<f64>,
+    /// What the noise of the sensors is like.
+    pub(crate) noise_kind: String,
 }
 
 /// A law at a place with its true values.

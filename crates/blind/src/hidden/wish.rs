@@ -1,6 +1,7 @@
 //! The requirements of a set: a shuffled deck of wishes, which every few dozen sets go through once.
 
 use super::outside;
+use super::sensor_noise::SensorNoise;
 use crate::args::Sensors;
 use crate::dice::Dice;
 
@@ -12,6 +13,20 @@ pub(super) enum Kind {
     Laws(Vec<&'static str>),
     /// A kind of effect that no law describes.
     Outside(&'static str),
+    /// A constant of the spec whose name begins with this letter is not what the spec says.
+    Constant(&'static str),
+}
+
+/// What a set is for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Purpose {
+    /// A blind test: what is hidden can be told from all that is not.
+    Blind,
+    /// A formula: forced by several cosines, the constants known, and a record that tells the force of the right
+    /// formula to this accuracy.
+    Formula(f64),
+    /// A world as the priors of `calibrate` have it, with this noise: what is hidden can be seen, and no more.
+    World(SensorNoise),
 }
 
 /// The requirements of a set.
@@ -23,14 +38,13 @@ pub(super) struct Wish {
     /// Whether a friction is to hold a mass at rest somewhere.
     pub(super) holds: bool,
     pub(super) sensors: Sensors,
-    /// A set for a formula: forced by several cosines, the constants known, and a record that tells the force
-    /// of the right formula to this accuracy.
-    pub(super) told: Option<f64>,
+    pub(super) purpose: Purpose,
 }
 
 /// Laws that an accelerometer does not show: a constant force, which is also what makes friction asymmetric,
 /// and what is wrong with a sensor that is not there.
-const UNSEEN: &[&str] = &["offset", "asymmetric-coulomb", "sensor-delay", "sensor-gain", "sensor-offset"];
+pub(super) const UNSEEN: &[&str] =
+    &["offset", "asymmetric-coulomb", "sensor-delay", "sensor-gain", "sensor-offset"];
 
 /// Every law of the catalogue.
 pub(super) const LAWS: &[&str] = &[
@@ -71,7 +85,7 @@ pub(super) const LAWS: &[&str] = &[
 ];
 
 /// Two effects at once.
-const PAIRS: &[[&str; 2]] = &[
+pub(super) const PAIRS: &[[&str; 2]] = &[
     ["coulomb", "cubic-stiffness"],
     ["coulomb", "viscous"],
     ["viscous", "offset"],
@@ -167,7 +181,7 @@ pub(super) fn wish(seed: u64, index: usize, only: Option<&str>, sensors: Sensors
         two_masses: twice || dice.chance(0.4),
         holds,
         sensors,
-        told: None,
+        purpose: Purpose::Blind,
     })
 }
 

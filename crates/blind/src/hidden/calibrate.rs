@@ -1,0 +1,156 @@
+//! `phisindy-blind calibrate`: is what the program says as sure as it says?
+//!
+//! ```text
+//! seed --prior--> wish --made--> world: rig, cause, noise, data by another solver | truth.json
+//! world --phisindy gap--> result.json --answer, with the truth--> right, honest or wrong, and its probabilities
+//! answers --tally--> tables | the counts that reports quote
+//! ```
+
+mod answer;
+mod band;
+mod prior;
+mod tally;
+
+use super::formula::{force_error, forces};
+use super::made::{Made, made};
+use super::mark::steps;
+use super::score::{read, run};
+use super::truth::Truth;
+use super::write;
+use crate::args::{CalibrateArgs, Options};
+use crate::dice::Dice;
+use crate::folder::{Folder, replace};
+use crate::interrupt;
+use crate::program::Program;
+use crate::progress::Progress;
+use crate::table::Table;
+use anyhow::{Result, anyhow, bail};
+use rayon::prelude::*;
+use serde_json::Value;
+use std::time::Duration;
+use tally::World;
+
+/// The file that says whose worlds a folder holds.
+const SEED: &str = "seed.json";
+
+/// Draws the worlds, runs those without an answer, and counts; none if the user stopped it.
+///
+/// # Errors
+/// The folder holds worlds of another seed, a world cannot be made, or files cannot be read or written.
+pub(super) fn calibrate(args: &CalibrateArgs, options: &Options) -> Result<Option<Table>> {
+    let folder = Folder::create(&args.out)?;
+    let kept = args.out.join(SEED);
+    if !kept.exists() {
+        folder.write(SEED, &format!("{}\n", args.seed))?;
+    }
+    let seed: u64 = read(&kept, "is no seed")?;
+    if seed != args.seed {
+        bail!("`{}` holds worlds of seed {seed}: take another folder", args.out.display());
+    }
+    let progress = Progress::new("calibrate", args.sets, options.quiet);
+    let all: Vec<Option<World>> = (0..args.sets)
+        .into_par_iter()
+        .map(|index| {
+            let answer = answered(args, options, index)?;
+            progress.step();
+            Ok(answer)
+        })
+        .collect::<Result<_>>()?;
+    drop(progress);
+    let Some(all) = all.into_iter().collect::<Option<Vec<World>>>() else { return Ok(None) };
+    if let Some(path) = &args.table {
+        replace(path, &tally::counts(&all, args.seed))?;
+    }
+    Ok(Some(tally::tally(&all)))
+}
+
+/// A world of a seed.
+///
+/// # Errors
+/// No draw of its kind can be seen.
+fn world(seed: u64, index: usize) -> Result<(Made, Dice)> {
+    let mut dice = Dice::new(seed, &format!("world {index}"));
+    let wish = prior::draw(&mut dice);
+    let made = made(&wish, &mut dice).map_err(|why| anyhow!("world {index}: {why}"))?;
+    Ok((made, dice))
+}
+
+/// A world and the program's answer, of now or kept; none if the user stopped it.
+fn answered(args: &CalibrateArgs, options: &Options, index: usize) -> Result<Option<World>> {
+    let set = args.out.join(format!("{index:03}"));
+    let kept = set.join("result.json");
+    if !kept.exists() {
+        if interrupt::requested() {
+            return Ok(None);
+        }
+        let (made, mut dice) = world(args.seed, index)?;
+        let folder = Folder::create(&set)?;
+        write::write(&folder, index, &made, &mut dice)?;
+        let program = Program::find(options)?;
+        let patience = Duration::from_secs(args.patience);
+        let Some(answer) = run(&set, &program, &[], 1, patience)? else { return Ok(None) };
+        folder.write("result.json", &(serde_json::to_string_pretty(&answer)? + "\n"))?;
+    }
+    let truth: Truth = read(&set.join("truth.json"), "is no truth")?;
+    let result: Value = read(&kept, "is damaged; delete it to run its world again")?;
+    let steps = steps(&result);
+    let formula = if result["status"] == "described" {
+        let (made, _) = world(args.seed, index)?;
+        forces(&made, &steps).and_then(|found| force_error(&made, &found))
+    } else {
+        None
+    };
+    let answer = answer::answer(&truth, &result, formula);
+    Ok(Some(World { set: format!("{index:03}"), truth, answer }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::rivals::{Seen, near};
+    use super::super::sensor_noise::SensorNoise;
+    use super::super::wish::{Kind, Purpose, Wish};
+    use super::*;
+    use crate::args::Sensors;
+
+    #[test]
+    fn a_seed_draws_the_same_worlds_again() {
+        let drawn = |seed: u64| {
+            let (made, _) = world(seed, 3).expect("a world");
+            (serde_json::to_string(&made.truth).expect("JSON"), made.records[0].columns.clone())
+        };
+        assert!(drawn(5) == drawn(5));
+        assert!(drawn(5) != drawn(6));
+    }
+
+    /// The part that the best law leaves: nothing of a law, much of a force in time.
+    #[test]
+    fn a_force_is_as_far_from_the_laws_as_it_is() {
+        let apart = |kind: Kind| {
+            let purpose = Purpose::World(SensorNoise::White);
+            let wish = Wish {
+                kind,
+                noise: 0.01,
+                two_masses: false,
+                holds: false,
+                sensors: Sensors::Displacement,
+                purpose,
+            };
+            let made = made(&wish, &mut Dice::new(8, "apart")).expect("a world");
+            near(&Seen {
+                rig: &made.rig,
+                effects: &made.effects,
+                experiment: &made.experiments[0],
+                motion: &made.motions[0],
+                base: &made.motions[0],
+                columns: &[],
+            })
+        };
+        let (none, all) = apart(Kind::Laws(vec!["cubic-stiffness"]));
+        assert!(
+            none < 1e-3 && all.iter().any(|set| set.len() == 1 && set[0].0 == "cubic-stiffness"),
+            "{none}"
+        );
+        let (most, all) = apart(Kind::Outside("pulse-force"));
+        assert!(most > 0.2 && all.is_empty(), "{most}");
+    }
+}
