@@ -299,7 +299,7 @@ fn slider_crank(seconds: f64) -> Vec<[f64; 3]> {
         [by, -r * a.sin() - l * rod(a).sin() * by]
     };
     let mass = |a: f64| j + jr * moves(a)[0].powi(2) + m * moves(a)[1].powi(2);
-    let [mut a, mut w] = [0.6, 0.0];
+    let [mut a, mut w]: [f64; 2] = [0.6, 0.0];
     let mut all = vec![];
     for step in 0..(seconds / h) as usize {
         if step % every == 0 {

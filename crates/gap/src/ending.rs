@@ -23,7 +23,9 @@ use crate::result::{
 use crate::search::{Round, SEARCHED, Search, Searched, placed, refitted};
 use crate::sensor_linearity::sensor_nonlinearity;
 use crate::spec_mistakes::spec_mistake;
-use phisindy_learn::{Effort, FoundParameter, Identified, at_bounds, free_run_horizons, sensitive_starts};
+use phisindy_learn::{
+    Effort, FoundParameter, Identified, Verdict, at_bounds, free_run_horizons, sensitive_starts,
+};
 use phisindy_phys::spec::Role;
 use phisindy_signal::Interpolation;
 
@@ -116,7 +118,8 @@ impl<'s, 'a> Ending<'s, 'a> {
             None => (status, alternative, determined),
         };
         let open_end = status == Status::Unexplained && alternative.is_none();
-        let status = if open_end && self.establish(determined)? { Status::Named } else { status };
+        let judged = if open_end { self.by_the_judge_of_run(determined)? } else { None };
+        let status = judged.unwrap_or(status);
         let found = |a: &Applied| a.effect.entry.id == DISCOVERED;
         let status = match status {
             Status::Explained if self.last.model.effects.iter().any(found) => Status::Described,
@@ -238,9 +241,10 @@ impl<'s, 'a> Ending<'s, 'a> {
         Ok(Some(pushes))
     }
 
-    /// Whether the laws that bring the gap far down are established although a force is left: `run` would say so of the
-    /// model with these alone, nothing else comes near, and their numbers are determined. The result is that model then.
-    fn establish(&mut self, determined: usize) -> Result<bool, GapError> {
+    /// What `run` says of the model with the laws that bring the gap far down, or as it is, where that holds although the gap
+    /// is larger than the noise: noise of any colour is noise, and laws may be sure beside a force that is left, if nothing
+    /// else comes near and their numbers are determined. The result is that model then.
+    fn by_the_judge_of_run(&mut self, determined: usize) -> Result<Option<Status>, GapError> {
         let steps: Vec<Step> = (0..self.last.model.effects.len()).map(|k| self.step(k)).collect();
         let n = substantial(&steps);
         let sure = |s: &Step| {
@@ -249,25 +253,28 @@ impl<'s, 'a> Ending<'s, 'a> {
             let odds: f64 = against.map(|r| (-0.5 * r.delta_bic).exp()).sum();
             (1.0 + odds).recip() >= SURE
         };
-        if n == 0 || n > determined || self.interrupted() || !steps[..n].iter().all(sure) {
-            return Ok(false);
+        if n > determined || self.interrupted() || !steps[..n].iter().all(sure) {
+            return Ok(None);
         }
         let observer = &self.search.observer;
         let with = if n == steps.len() { &self.last } else { &self.path[n] };
-        let Some(found) = with.model.with_random_force(&|| observer.stopped()).filter(|f| f.verdict.holds())
-        else {
-            return Ok(false);
+        let Some(found) = with.model.with_random_force(&|| observer.stopped()) else { return Ok(None) };
+        let status = match (n, &found.verdict) {
+            (0, Verdict::Identified) => Status::NothingMissing,
+            (1.., Verdict::Identified) => Status::Explained,
+            (1.., Verdict::Named) => Status::Named,
+            _ => return Ok(None),
         };
         let before = (self.last.clone(), self.path.clone());
         self.path.truncate(n + 1);
         self.last = with_errors(self.path[n].clone(), &self.noise)?;
         self.take_numbers(&found);
         self.path[n] = self.last.clone();
-        let established = vetoed(&self.last).is_empty();
-        if !established {
+        if !vetoed(&self.last).is_empty() {
             (self.last, self.path) = before;
+            return Ok(None);
         }
-        Ok(established)
+        Ok(Some(status))
     }
 
     /// Takes the numbers that another fit of the final model found.
