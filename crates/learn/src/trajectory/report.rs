@@ -178,6 +178,13 @@ fn with_force(
 /// What a verdict that holds says where more than noise is left. Noise of any colour leaves it as it is. What mostly
 /// follows the motion is a force: of an output it is there to be seen, and a large one is a law that is missing.
 fn with_remains(held: Verdict, system: &System, records: &[Record], fits: &[RecordFit]) -> Verdict {
+    // Where states jump no force is fitted beside the model, so that what is left is seen in the columns alone.
+    let missed = fits.iter().flat_map(|f| f.nrmse.iter().map(move |(column, share)| (f, column, *share)));
+    let most = missed.max_by(|a, b| a.2.total_cmp(&b.2)).filter(|m| system.jumps() && m.2 > LAW_MISSING);
+    if let Some((fit, column, share)) = most {
+        let (record, of) = (fit.name.clone(), column.clone());
+        return Verdict::Rejected(Rejection::LawMissing { record, of, output: true, share });
+    }
     let all = columns_with_remains(system, records, fits);
     let outputs = all.iter().filter(|(k, share)| *k >= system.states.len() && *share > LAW_MISSING);
     match outputs.max_by(|a, b| a.1.total_cmp(&b.1)) {
