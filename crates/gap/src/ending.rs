@@ -242,8 +242,8 @@ impl<'s, 'a> Ending<'s, 'a> {
     }
 
     /// What `run` says of the model with the laws that bring the gap far down, or as it is, where that holds although the gap
-    /// is larger than the noise: noise of any colour is noise, and laws may be sure beside a force that is left, if nothing
-    /// else comes near and their numbers are determined. The result is that model then.
+    /// is larger than the noise: noise of any colour is noise, and it may be more than the columns tell. Nothing else may come
+    /// near, and the numbers are determined. The result is that model then.
     fn by_the_judge_of_run(&mut self, determined: usize) -> Result<Option<Status>, GapError> {
         let steps: Vec<Step> = (0..self.last.model.effects.len()).map(|k| self.step(k)).collect();
         let n = substantial(&steps);
@@ -262,7 +262,6 @@ impl<'s, 'a> Ending<'s, 'a> {
         let status = match (n, &found.verdict) {
             (0, Verdict::Identified) => Status::NothingMissing,
             (1.., Verdict::Identified) => Status::Explained,
-            (1.., Verdict::Named) => Status::Named,
             _ => return Ok(None),
         };
         let before = (self.last.clone(), self.path.clone());
@@ -270,7 +269,8 @@ impl<'s, 'a> Ending<'s, 'a> {
         self.last = with_errors(self.path[n].clone(), &self.noise)?;
         self.take_numbers(&found);
         self.path[n] = self.last.clone();
-        if !vetoed(&self.last).is_empty() {
+        // Laws beside a constant that the data press against its bound stand for something else.
+        if !vetoed(&self.last).is_empty() || pressed(&self.last, &self.noise) {
             (self.last, self.path) = before;
             return Ok(None);
         }

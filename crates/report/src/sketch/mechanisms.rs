@@ -184,7 +184,15 @@ pub(super) const MECHANISMS: [(&str, &str, &str); 25] = [
 ];
 
 /// The specs of the repository: name, sketch in words.
-pub(super) const SPECS: [(&str, &str); 33] = [
+pub(super) const SPECS: [(&str, &str); 35] = [
+    (
+        "ball",
+        "z, sensors of z: damper to the ground, asked for; nonlinear damper to the ground, asked for; force −g.",
+    ),
+    (
+        "sampled_pid",
+        "x, sensors of x, F: force to the ground; friction to the ground, asked for; damper to the ground, asked for. i, its rate of x, r, measured.",
+    ),
     (
         "boucwen",
         "x, m = 2 kg, sensors of x: spring k = 50000 N/m to the ground; damper c = 10 N·s/m to the ground; force u.",
