@@ -321,11 +321,11 @@ fn measured(name: &str, stiffness: f64, error: fn(f64) -> f64) -> String {
     format!("{known}data: [{}])", records.join(", "))
 }
 
-/// Hum of a sensor is no force, and no law describes it: what is left is told.
+/// Hum of a sensor is no force: nothing is missing, and what is left is told.
 #[test]
 fn hum_of_a_sensor_is_told() {
     let (found, code) = gap(&folder("gap-hum"), &measured("gap-hum", 0.0, |t| 0.15 * (9.0 * t).sin()));
-    assert_eq!((found["status"].as_str(), code), (Some("unexplained"), 1), "{found}");
+    assert_eq!((found["status"].as_str(), code), (Some("nothing-missing"), 0), "{found}");
     let said = found["warnings"].to_string();
     assert!(said.contains("is one tone of 8.99") || said.contains("is one tone of 9.0"), "{said}");
 }

@@ -18,6 +18,7 @@ mod formula;
 mod gap;
 mod identified;
 mod limits;
+mod matrices;
 mod measured;
 mod mechanism;
 mod new;

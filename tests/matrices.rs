@@ -91,5 +91,9 @@ fn a_spring_of_a_table_stands_beside_friction_that_is_found() {
     fs::write(&table, changed).expect("a file");
     let told: Value = serde_json::from_str(&verified(1)).expect("JSON");
     let all = told["differences"].as_array().expect("a list");
-    assert!(all.iter().any(|d| d["code"] == "changed" && d["of"].as_str().is_some_and(|of| of.ends_with("spring.csv"))), "{told}");
+    assert!(
+        all.iter()
+            .any(|d| d["code"] == "changed" && d["of"].as_str().is_some_and(|of| of.ends_with("spring.csv"))),
+        "{told}"
+    );
 }

@@ -185,6 +185,7 @@ fn the_reference_says_of_each_field_what_editors_say() {
     let groups: &[&Group] = &[
         &fields::SPEC,
         &fields::ENERGY,
+        &fields::IMPACT,
         &fields::STRUCTURE,
         &fields::POINT,
         &fields::OUTPUT,
