@@ -166,7 +166,7 @@ fn the_guides_are_as_they_say() {
     assert_eq!(play("guides/own-law.md", &rig, "rig.ron"), 3);
     assert_eq!(play("guides/accelerometer.md", &top().join("docs/guides/accelerometer.csv"), "rig.ron"), 3);
     assert_eq!(play("guides/loads.md", &rig, "loads.ron"), 1);
-    assert_eq!(play("guides/mechanism.md", &rig, "rail.ron"), 2);
+    assert_eq!(play("guides/mechanism.md", &rig, "rail.ron"), 3);
     assert_eq!(play("guides/editors.md", &rig, "rig.ron"), 3);
 }
 
