@@ -61,7 +61,7 @@ impl Assembly {
         let (m, width) = (self.constraints, self.states + 1);
         let mut scratch = Scratch::<1>::new(&self.tape);
         for _ in 0..MOST_STEPS {
-            scratch.at(at(x).into_iter());
+            scratch.at(at(x));
             let row = |k: usize, j: usize| scratch.output((first + k) * width + j)[0];
             // `J J' l = -g`, and the change is `J' l`.
             let mut normal = vec![0.0; m * (m + 1)];

@@ -9,6 +9,9 @@ use crate::text::spec::{DataSpec, InputSpec, NoiseSpec, Spec, SyntheticSpec, Tex
 use phisindy_expr::Id;
 use std::collections::HashMap;
 
+/// States of filters, and where each starts.
+type Settled = Vec<(usize, Id)>;
+
 impl Checker {
     /// How each input is made; an input without an excitation is a mistake.
     fn excitations(
@@ -172,7 +175,7 @@ impl Checker {
         extra: &[Id],
         shown: &[Id],
         inputs: &[SyntheticInput],
-    ) -> (Model, Vec<(usize, Id)>, Vec<(Id, Id)>) {
+    ) -> (Model, Settled, Vec<(Id, Id)>) {
         let mut with: HashMap<Id, Id> = HashMap::new();
         for parameter in &system.parameters {
             let value = self.graph.constant(parameter.start);

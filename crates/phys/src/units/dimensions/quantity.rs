@@ -87,11 +87,14 @@ pub(super) enum Conflict {
     Base { span: Span, form: Form },
 }
 
+/// What the two columns of a file measure.
+pub(super) type Tables<'a> = &'a dyn Fn(&str) -> [Measure; 2];
+
 /// Finds what an expression measures. What `names` does not know fits everywhere: others complain of it.
 pub(super) fn infer(
     ast: &Ast,
     names: impl Fn(&str) -> Option<Quantity>,
-    (time, tables): (&Measure, &dyn Fn(&str) -> [Measure; 2]),
+    (time, tables): (&Measure, Tables<'_>),
     unknowns: &mut Unknowns,
     conflicts: &mut Vec<Conflict>,
 ) -> Quantity {
