@@ -17,7 +17,7 @@ pub struct Assembly {
 }
 
 impl Assembly {
-    /// Of constraints and their rates, with the arguments of [`Assembly::assembled`] in the order of the tape; `states`
+    /// Of constraints and their rates, with the arguments of [`Assembly::assemble`] in the order of the tape; `states`
     /// are among them. `None` without constraints.
     pub fn new(
         graph: &Graph,
