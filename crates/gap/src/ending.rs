@@ -113,7 +113,7 @@ impl<'s, 'a> Ending<'s, 'a> {
             }
             _ => (status, determined),
         };
-        let (status, alternative, determined) = match self.pushes(status, alternative.as_ref(), determined)? {
+        let (status, alternative, determined) = match self.pushes(status, alternative.as_ref())? {
             Some(pushes) => (Status::Named, Some(Alternative::Pushes(pushes)), self.last.model.effects.len()),
             None => (status, alternative, determined),
         };
@@ -220,24 +220,16 @@ impl<'s, 'a> Ending<'s, 'a> {
 
     /// The pushes between which the model leaves nothing, of a model that nothing else explains: the one without effects, or
     /// the final one. The result has its numbers then.
-    fn pushes(
-        &mut self,
-        status: Status,
-        other: Option<&Alternative>,
-        determined: usize,
-    ) -> Result<Option<Vec<Push>>, GapError> {
+    fn pushes(&mut self, status: Status, other: Option<&Alternative>) -> Result<Option<Vec<Push>>, GapError> {
         if status != Status::Unexplained || other.is_some() || self.interrupted() {
             return Ok(None);
         }
-        let effects = self.last.model.effects.len();
-        let far = substantial(&(0..effects).map(|k| self.step(k)).collect::<Vec<Step>>());
         let observer = &self.search.observer;
         let stopped = || observer.stopped();
         let (plain, found) = match self.path[0].model.pushes(&stopped) {
             Some(found) => (true, Some(found)),
-            // Laws that are in doubt, or help a little, are no model.
-            None if effects == 0 || effects > determined.min(far) => (false, None),
-            None => (false, self.last.model.pushes(&stopped)),
+            // Laws beside pushes may stand for what the pushes leave.
+            None => (false, None),
         };
         let Some((pushes, found)) = found else { return Ok(None) };
         if plain {
