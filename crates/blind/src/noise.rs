@@ -123,12 +123,16 @@ pub(crate) fn white(dice: &mut Dice) -> impl Iterator<Item = f64> {
 
 /// A first-order process beside the motion.
 fn coloured(dice: &mut Dice, x: &[f64], stays: f64, new: f64) -> Vec<f64> {
-    let mut state = 0.0;
-    let next = |(x, e): (f64, f64)| {
+    let mut state = first_order(stays, new, 0.0);
+    sampled(x).zip(white(dice)).map(|(x, e)| x + SIZE * state(e)).collect()
+}
+
+/// A first-order process by its white noise, of which `stays` stays from sample to sample.
+pub(crate) fn first_order(stays: f64, new: f64, mut state: f64) -> impl FnMut(f64) -> f64 {
+    move |e| {
         state = stays * state + new * e;
-        x + SIZE * state
-    };
-    sampled(x).zip(white(dice)).map(next).collect()
+        state
+    }
 }
 
 /// Something of the size of the noise beside it.

@@ -303,14 +303,18 @@ decisions! {
     INPUT_NOISE_PART: f64 = 0.25, "of the gap", BLIND;
     /// Number of noise draws: what is left is larger than all of them by chance once in twenty times.
     INPUT_NOISE_DRAWS: usize = 19, "draws", Basis::Convention("a Monte Carlo test at 5 %, A. C. A. Hope 1968");
-    /// A law is established from this probability on, whatever is left beside it.
+    /// So many are made at once; their mean says whether more are worth it.
+    INPUT_NOISE_BLOCK: usize = 4, "draws", Basis::Judgement("a mean of four is known to a half");
+    /// A law is sure beside its rivals from this probability on.
     SURE: f64 = 0.95, "probability", Basis::Convention("one in twenty");
     /// Most pushes in a record, on average: a force that comes oftener is looked for as a law.
     MOST_PUSHES: usize = 3, "pushes", Basis::Convention("few enough to be told one by one");
     /// Most of a record that pushes may take.
     PUSHED_PART: f64 = 0.5, "of the samples", Basis::Convention("the larger part is what the model is judged on");
-    /// So many are made at once; their mean says whether more are worth it.
-    INPUT_NOISE_BLOCK: usize = 4, "draws", Basis::Judgement("a mean of four is known to a half");
+    /// A push is a force beyond so many standard deviations of the force elsewhere in the record.
+    PUSH_STANDS_OUT: f64 = 3.0, "standard deviations", Basis::Convention("three sigma");
+    /// A push that pauses for less goes on.
+    PUSH_PAUSE: f64 = 0.02, "of the record", Basis::Judgement("half a sine touches zero at its ends alone, and its estimate scatters there");
     /// A column with the shape of the model's, but larger or smaller by this factor, has a wrong unit.
     WRONG_UNIT: f64 = 5.0, "factor", BLIND;
     /// If model and rig differ by more in size, a unit is wrong and no effect is missing.

@@ -218,25 +218,16 @@ impl<'s, 'a> Ending<'s, 'a> {
         }
     }
 
-    /// The pushes between which the model leaves nothing, of a model that nothing else explains: the one without effects, or
-    /// the final one. The result has its numbers then.
+    /// The pushes between which the model as it is leaves nothing, where nothing else explains the gap; the result is that
+    /// model then. Laws beside pushes may stand for what the pushes leave.
     fn pushes(&mut self, status: Status, other: Option<&Alternative>) -> Result<Option<Vec<Push>>, GapError> {
         if status != Status::Unexplained || other.is_some() || self.interrupted() {
             return Ok(None);
         }
         let observer = &self.search.observer;
-        let stopped = || observer.stopped();
-        let (plain, found) = match self.path[0].model.pushes(&stopped) {
-            Some(found) => (true, Some(found)),
-            // Laws beside pushes may stand for what the pushes leave.
-            None => (false, None),
-        };
+        let found = self.path[0].model.pushes(&|| observer.stopped());
         let Some((pushes, found)) = found else { return Ok(None) };
-        if plain {
-            self.path.truncate(1);
-            self.last = with_errors(self.path[0].clone(), &self.noise)?;
-            self.path[0] = self.last.clone();
-        }
+        self.keep(0)?;
         self.take_numbers(&found);
         Ok(Some(pushes))
     }
@@ -249,9 +240,7 @@ impl<'s, 'a> Ending<'s, 'a> {
         let n = substantial(&steps);
         let sure = |s: &Step| {
             let own = PlacedLaw::of(&s.effect);
-            let against = s.rivals.iter().filter(|r| !r.laws.contains(&own));
-            let odds: f64 = against.map(|r| (-0.5 * r.delta_bic).exp()).sum();
-            (1.0 + odds).recip() >= SURE
+            probability_beside(s.rivals.iter().filter(|r| !r.laws.contains(&own))) >= SURE
         };
         if n > determined || self.interrupted() || !steps[..n].iter().all(sure) {
             return Ok(None);
@@ -265,16 +254,22 @@ impl<'s, 'a> Ending<'s, 'a> {
             _ => return Ok(None),
         };
         let before = (self.last.clone(), self.path.clone());
-        self.path.truncate(n + 1);
-        self.last = with_errors(self.path[n].clone(), &self.noise)?;
+        self.keep(n)?;
         self.take_numbers(&found);
-        self.path[n] = self.last.clone();
         // Laws beside a constant that the data press against its bound stand for something else.
         if !vetoed(&self.last).is_empty() || pressed(&self.last, &self.noise) {
             (self.last, self.path) = before;
             return Ok(None);
         }
         Ok(Some(status))
+    }
+
+    /// Keeps the first `n` effects, with the errors of their numbers.
+    fn keep(&mut self, n: usize) -> Result<(), GapError> {
+        self.path.truncate(n + 1);
+        self.last = with_errors(self.path[n].clone(), &self.noise)?;
+        self.path[n] = self.last.clone();
+        Ok(())
     }
 
     /// Takes the numbers that another fit of the final model found.
@@ -323,9 +318,7 @@ impl<'s, 'a> Ending<'s, 'a> {
         if beyond_noise(&self.path[left]).sqrt() > REPEATS * coarse.open {
             return Ok(0.0);
         }
-        self.path.truncate(left + 1);
-        self.last = with_errors(self.path[left].clone(), &self.noise)?;
-        self.path[left] = self.last.clone();
+        self.keep(left)?;
         let open = (1.0 + coarse.open.powi(2)).sqrt();
         self.warnings.push(Warning::CoarseInput(coarse));
         Ok(open)
@@ -421,9 +414,7 @@ impl<'s, 'a> Ending<'s, 'a> {
         };
         self.warnings.extend(mixed.clone().map(Warning::Spec));
         if helps < whole.model.effects.len() {
-            self.path.truncate(helps + 1);
-            self.last = with_errors(self.path[helps].clone(), &self.noise)?;
-            self.path[helps] = self.last.clone();
+            self.keep(helps)?;
         }
         if alternative.is_none() && !interrupted {
             let noise = input_noise(&self.last, &self.noise);
@@ -433,9 +424,7 @@ impl<'s, 'a> Ending<'s, 'a> {
                 let complete = self.base.score.gap() <= n.most;
                 status = if complete { Status::NothingMissing } else { Status::Explained };
                 if status == Status::NothingMissing && helps > 0 {
-                    self.path.truncate(1);
-                    self.last = with_errors(self.path[0].clone(), &self.noise)?;
-                    self.path[0] = self.last.clone();
+                    self.keep(0)?;
                 }
             }
             alternative = noise.map(Alternative::InputNoise);
@@ -464,7 +453,6 @@ impl<'s, 'a> Ending<'s, 'a> {
         let other = |r: &&Rival| !r.laws.iter().all(|law| own.contains(law));
         let rivals: Vec<Rival> = round.map_or(vec![], |r| r.rivals.iter().filter(other).cloned().collect());
         let rivals = rivals_of_the_answer(rivals, &own[k], round.map_or(0.0, |r| self.gained_since(r)));
-        let against: f64 = rivals.iter().map(|r| (-0.5 * r.delta_bic).exp()).sum();
         let discovered = applied.effect.entry.id == DISCOVERED;
         let numbers = values(&self.last, &applied.names, &applied.effect.start);
         Step {
@@ -478,11 +466,17 @@ impl<'s, 'a> Ending<'s, 'a> {
             fit: (a.fit, b.fit),
             validate: a.validate.zip(b.validate),
             delta_bic: by.criterion(a) - by.criterion(b),
-            probability: self.last.score.explains().then(|| (1.0 + against).recip()),
+            probability: self.last.score.explains().then(|| probability_beside(&rivals)),
             rivals,
             vetoed: round.map_or(vec![], |r| r.vetoed.clone()),
         }
     }
+}
+
+/// The probability of a law beside rivals, by what each leaves and costs.
+fn probability_beside<'r>(rivals: impl IntoIterator<Item = &'r Rival>) -> f64 {
+    let against: f64 = rivals.into_iter().map(|r| (-0.5 * r.delta_bic).exp()).sum();
+    (1.0 + against).recip()
 }
 
 /// The rivals of a law, beside the final model. One that holds the law and more was an answer to what was left then: later

@@ -1,16 +1,13 @@
 //! Pushes that nobody measured. A model that is right between them leaves nothing where the records are cut there, and a
 //! force of the motion is not gone with a few cuts.
 
-use crate::decisions::{FEWEST_SAMPLES, MOST_PUSHES, PUSHED_PART};
+use crate::decisions::{FEWEST_SAMPLES, MOST_PUSHES, PUSH_PAUSE, PUSH_STANDS_OUT, PUSHED_PART};
 use crate::model::TrialModel;
 use crate::result::Push;
 use phisindy_learn::{Identified, LearnOptions, identify};
 use phisindy_phys::spec::{Method, Role};
 use phisindy_phys::{Case, Record};
 use std::ops::{ControlFlow, Range};
-
-/// A push that pauses for less than this part of a record goes on.
-const BREAK: usize = 50;
 
 /// A stretch of a record between pushes.
 #[derive(Clone)]
@@ -22,10 +19,13 @@ struct Piece {
 impl TrialModel {
     /// The fit of this model, as it is, that leaves a random force on each body.
     pub(crate) fn with_random_force(&self, stopped: &(dyn Fn() -> bool + Sync)) -> Option<Identified> {
-        let all: Vec<Piece> = (0..self.records.len())
-            .map(|record| Piece { record, samples: 0..self.records[record].len() })
-            .collect();
-        self.of_pieces(&all, None, stopped)
+        self.of_pieces(&self.whole(), None, stopped)
+    }
+
+    /// Each record as one piece.
+    fn whole(&self) -> Vec<Piece> {
+        let of = |(record, r): (usize, &Record)| Piece { record, samples: 0..r.len() };
+        self.records.iter().enumerate().map(of).collect()
     }
 
     /// The same of pieces of its records, each named by its place in the list; all fitted where a role is given.
@@ -62,8 +62,7 @@ impl TrialModel {
     /// such pushes.
     pub(crate) fn pushes(&self, stopped: &(dyn Fn() -> bool + Sync)) -> Option<(Vec<Push>, Identified)> {
         let records = &self.records;
-        let mut pieces: Vec<Piece> =
-            (0..records.len()).map(|record| Piece { record, samples: 0..records[record].len() }).collect();
+        let mut pieces = self.whole();
         let mut pushes: Vec<Push> = vec![];
         loop {
             let found = self.of_pieces(&pieces, Some(Role::Fit), stopped).filter(|f| !f.interrupted())?;
@@ -118,8 +117,9 @@ fn burst(course: &[(f64, f64)]) -> Option<Range<usize>> {
     let mut sizes: Vec<f64> = (0..course.len()).map(size).collect();
     let middle = sizes.len() / 2;
     let (_, median, _) = sizes.select_nth_unstable_by(middle, f64::total_cmp);
-    // Three standard deviations of what is normal elsewhere, and a break as short as records are told in.
-    let (level, pause) = (3.0 * *median / 0.6745, course.len() / BREAK + 1);
+    // Half of what is normal lies within 0.6745 standard deviations.
+    let level = PUSH_STANDS_OUT * *median / 0.6745;
+    let pause = (PUSH_PAUSE * course.len() as f64) as usize + 1;
     let strong = |k: &usize| size(*k) >= level;
     let (mut start, mut end) = (peak, peak + 1);
     while let Some(k) = (start.saturating_sub(pause)..start).find(strong) {

@@ -25,6 +25,9 @@ impl Assembly {
         states: &[Id],
         (values, rates): (&[Id], &[Id]),
     ) -> Option<Assembly> {
+        if values.is_empty() {
+            return None;
+        }
         let mut graph = graph.clone();
         let mut outputs = Vec::new();
         for of in values.iter().chain(rates) {
@@ -33,12 +36,7 @@ impl Assembly {
         }
         let coordinates = states.iter().map(|&state| graph.uses(values, &[state])).collect();
         let tape = Tape::compile(&graph, arguments, &outputs).ok()?;
-        (!values.is_empty()).then_some(Assembly {
-            tape,
-            constraints: values.len(),
-            states: states.len(),
-            coordinates,
-        })
+        Some(Assembly { tape, constraints: values.len(), states: states.len(), coordinates })
     }
 
     /// Moves the `free` of the states from `x` to the nearest that the constraints allow: first the places, then the

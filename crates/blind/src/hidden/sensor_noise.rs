@@ -1,7 +1,7 @@
 //! Noise of a sensor, white or not.
 
 use crate::dice::Dice;
-use crate::noise::white;
+use crate::noise::{first_order, white};
 use std::f64::consts::TAU;
 
 /// A kind of noise with a standard deviation of one.
@@ -50,13 +50,8 @@ impl SensorNoise {
         let noise: Vec<f64> = match self {
             SensorNoise::White => white,
             SensorNoise::Ar(stays) => {
-                let new = (1.0 - stays * stays).sqrt();
-                let mut state = white[0];
-                let next = |e: &f64| {
-                    state = stays * state + new * e;
-                    state
-                };
-                white.iter().map(next).collect()
+                let mut state = first_order(stays, (1.0 - stays * stays).sqrt(), white[0]);
+                white.iter().map(|e| state(*e)).collect()
             }
             SensorNoise::Student(freedom) => {
                 let squares: Vec<Vec<f64>> =

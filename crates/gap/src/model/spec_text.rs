@@ -65,11 +65,8 @@ pub(crate) fn text_with(
             let of_energy = spec.energy.iter().flat_map(|e| &e.forces).map(|force| ("energy", force));
             let of_structure =
                 spec.structure.iter().flat_map(|s| &s.forces).map(|force| ("structure", force));
-            let text = |(field, (force, along)): (&'static str, &(_, _))| -> (&'static str, String, String) {
-                let of = |text: &phisindy_phys::spec::Text| text.value.clone();
-                (field, of(force), of(along))
-            };
-            of_energy.chain(of_structure).map(text).collect()
+            let all = of_energy.chain(of_structure);
+            all.map(|(field, (force, along))| (field, force.value.clone(), along.value.clone())).collect()
         },
         inertia: spec.inertia.iter().map(|(name, m)| (name.value.clone(), m.value.clone())).collect(),
     };

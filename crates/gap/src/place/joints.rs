@@ -4,7 +4,7 @@
 use super::displacement;
 use phisindy_expr::{Binary, Id, Node};
 use phisindy_phys::{Contact, System};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 /// Two numbers that are computed differently are one.
 const ROUNDING: f64 = 1e-9;
@@ -15,17 +15,10 @@ pub(super) fn geared(system: &mut System, bodies: &[usize]) -> Vec<(String, Cont
         bodies.iter().filter_map(|&v| Some((v, displacement(system, v)?))).collect();
     let places: Vec<Id> = moving.iter().map(|&(_, x)| system.states[x].node).collect();
     let forces: Vec<Id> = moving.iter().map(|&(v, _)| force_on(system, v)).collect();
-    let sums = system.graph.reachable(&forces).into_iter();
-    let sums: Vec<Id> = sums
-        .filter(|&id| matches!(system.graph.node(id), Node::Binary(Binary::Add | Binary::Sub, ..)))
-        .collect();
+    let felt: Vec<HashSet<Id>> =
+        forces.iter().map(|&force| system.graph.reachable(&[force]).into_iter().collect()).collect();
     let mut all = Vec::new();
-    for sum in sums {
-        let of_places =
-            system.graph.symbols(&[sum]).into_iter().all(|s| places.contains(&system.graph.symbol(s)));
-        if !of_places {
-            continue;
-        }
+    for sum in sums_of(system, &forces, &places) {
         let slopes = system.graph.gradient(sum, &places);
         let slopes: Option<Vec<f64>> = slopes.iter().map(|&slope| system.graph.value(slope)).collect();
         let Some(slopes) = slopes else { continue };
@@ -33,7 +26,11 @@ pub(super) fn geared(system: &mut System, bodies: &[usize]) -> Vec<(String, Cont
             moving.iter().map(|m| m.0).zip(slopes).filter(|p| p.1 != 0.0).collect();
         // Differences of two bodies are places anyway.
         let plain = parts.len() == 2 && parts[0].1 + parts[1].1 == 0.0;
-        if parts.len() < 2 || plain || !reacts(system, sum, &moving, &forces, &parts) {
+        let by_all = || {
+            let of = moving.iter().zip(&felt).filter(|((v, _), _)| parts.iter().any(|(own, _)| own == v));
+            of.map(|(_, nodes)| nodes).all(|nodes| nodes.contains(&sum))
+        };
+        if parts.len() < 2 || plain || !by_all() || !reacts(system, sum, &moving, &forces, &parts) {
             continue;
         }
         let text: Vec<String> =
@@ -47,6 +44,27 @@ pub(super) fn geared(system: &mut System, bodies: &[usize]) -> Vec<(String, Cont
         all.push((text.replace(' ', "").replace("1.0*", ""), Contact { text, node, unit: None }));
     }
     all
+}
+
+/// The sums in forces that hang on places and numbers alone.
+fn sums_of(system: &System, forces: &[Id], places: &[Id]) -> Vec<Id> {
+    let mut of_places: HashSet<Id> = places.iter().copied().collect();
+    let mut sums = Vec::new();
+    for id in system.graph.reachable(forces) {
+        let own = match system.graph.node(id) {
+            Node::Constant(_) => true,
+            Node::Symbol(_) => false,
+            Node::Unary(_, a) => of_places.contains(&a),
+            Node::Binary(_, a, b) => of_places.contains(&a) && of_places.contains(&b),
+        };
+        if own {
+            of_places.insert(id);
+            if let Node::Binary(Binary::Add | Binary::Sub, ..) = system.graph.node(id) {
+                sums.push(id);
+            }
+        }
+    }
+    sums
 }
 
 /// The force on a body, or its rate where no inertia is known.
