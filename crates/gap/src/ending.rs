@@ -229,6 +229,7 @@ impl<'s, 'a> Ending<'s, 'a> {
         let Some((pushes, found)) = found else { return Ok(None) };
         self.keep(0)?;
         self.take_numbers(&found);
+        self.run_with_numbers();
         Ok(Some(pushes))
     }
 
@@ -270,6 +271,15 @@ impl<'s, 'a> Ending<'s, 'a> {
         self.last = with_errors(self.path[n].clone(), &self.noise)?;
         self.path[n] = self.last.clone();
         Ok(())
+    }
+
+    /// Runs the final model with its numbers as they are, where these come from another fit.
+    fn run_with_numbers(&mut self) {
+        let mut held = self.last.model.clone();
+        held.system.parameters.iter_mut().for_each(|p| p.within = (p.start, p.start));
+        if let Ok(Fitted { cal, score, .. }) = Fitted::new(held, &self.noise, Effort::Plain) {
+            (self.last.cal.records, self.last.score) = (cal.records, score);
+        }
     }
 
     /// Takes the numbers that another fit of the final model found.

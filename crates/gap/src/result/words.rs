@@ -234,7 +234,8 @@ impl Display for DriveFrequency {
 impl Display for Push {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         let Push { record, at, from, to, changes, unit } = self;
-        write!(f, "in {record} from {from:.3} to {to:.3} s at {at}, which it changes by {changes:.2e} {unit}")
+        let change = rounded(*changes);
+        write!(f, "in {record} from {from:.3} to {to:.3} s at {at}, which it changes by {change} {unit}")
     }
 }
 
