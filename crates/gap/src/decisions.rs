@@ -311,10 +311,6 @@ decisions! {
     MOST_PUSHES: usize = 3, "pushes", Basis::Convention("few enough to be told one by one");
     /// Most of a record that pushes may take.
     PUSHED_PART: f64 = 0.5, "of the samples", Basis::Convention("the larger part is what the model is judged on");
-    /// A push is a force beyond so many standard deviations of the force elsewhere in the record.
-    PUSH_STANDS_OUT: f64 = 3.0, "standard deviations", Basis::Convention("three sigma");
-    /// A push that pauses for less goes on.
-    PUSH_PAUSE: f64 = 0.02, "of the record", Basis::Judgement("half a sine touches zero at its ends alone, and its estimate scatters there");
     /// A column with the shape of the model's, but larger or smaller by this factor, has a wrong unit.
     WRONG_UNIT: f64 = 5.0, "factor", BLIND;
     /// If model and rig differ by more in size, a unit is wrong and no effect is missing.

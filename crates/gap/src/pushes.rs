@@ -1,7 +1,7 @@
 //! Pushes that nobody measured. A model that is right between them leaves nothing where the records are cut there, and a
 //! force of the motion is not gone with a few cuts.
 
-use crate::decisions::{FEWEST_SAMPLES, MOST_PUSHES, PUSH_PAUSE, PUSH_STANDS_OUT, PUSHED_PART};
+use crate::decisions::{FEWEST_SAMPLES, MOST_PUSHES, PUSHED_PART};
 use crate::model::TrialModel;
 use crate::result::Push;
 use phisindy_learn::{Identified, LearnOptions, identify};
@@ -9,11 +9,40 @@ use phisindy_phys::spec::{Method, Role};
 use phisindy_phys::{Case, Record};
 use std::ops::{ControlFlow, Range};
 
+/// So many rounds are more than any course was seen to need.
+const BURST_ROUNDS: usize = 50;
+
 /// A stretch of a record between pushes.
 #[derive(Clone)]
 struct Piece {
     record: usize,
     samples: Range<usize>,
+}
+
+/// A push, cut out of its record.
+struct Cut {
+    record: usize,
+    state: usize,
+    samples: Range<usize>,
+    /// The integral of the rate of the state.
+    changes: f64,
+}
+
+impl Cut {
+    /// Adds this cut to the others; those that it meets, or leaves too few samples before, are parts of it.
+    fn join(mut self, cuts: &mut Vec<Cut>) {
+        let meets = |a: &Range<usize>, b: &Range<usize>| {
+            a.start < b.end + FEWEST_SAMPLES && b.start < a.end + FEWEST_SAMPLES
+        };
+        while let Some(k) = cuts.iter().position(|c| {
+            (c.record, c.state) == (self.record, self.state) && meets(&c.samples, &self.samples)
+        }) {
+            let part = cuts.swap_remove(k);
+            self.samples = self.samples.start.min(part.samples.start)..self.samples.end.max(part.samples.end);
+            self.changes += part.changes;
+        }
+        cuts.push(self);
+    }
 }
 
 impl TrialModel {
@@ -63,13 +92,13 @@ impl TrialModel {
     pub(crate) fn pushes(&self, stopped: &(dyn Fn() -> bool + Sync)) -> Option<(Vec<Push>, Identified)> {
         let records = &self.records;
         let mut pieces = self.whole();
-        let mut pushes: Vec<Push> = vec![];
+        let mut cuts: Vec<Cut> = vec![];
         loop {
             let found = self.of_pieces(&pieces, Some(Role::Fit), stopped).filter(|f| !f.interrupted())?;
             let strongest = found.remainder.iter().max_by(|a, b| a.share.total_cmp(&b.share));
             let Some(left) = strongest else { break };
             // What mostly follows the motion is a law that is missing.
-            if pushes.len() == MOST_PUSHES * records.len() || left.of_motion > 0.5 * left.share {
+            if left.of_motion > 0.5 * left.share {
                 return None;
             }
             let place: usize = left.record.parse().ok()?;
@@ -79,16 +108,12 @@ impl TrialModel {
             let [first, last] = [burst.start, burst.end - 1].map(|k| left.course[k].0);
             let from = time.partition_point(|t| *t < first).max(samples.start);
             let to = (time.partition_point(|t| *t <= last) + 1).min(samples.end);
-            let changes: f64 =
+            let changes =
                 left.course[burst].windows(2).map(|w| 0.5 * (w[0].1 + w[1].1) * (w[1].0 - w[0].0)).sum();
-            pushes.push(Push {
-                record: records[record].name.clone(),
-                at: self.system.states[left.state].name.clone(),
-                from: time[from.min(time.len() - 1)],
-                to: time[to.min(time.len()) - 1],
-                changes: changes / self.system.states[left.state].factor,
-                unit: self.system.states[left.state].unit.clone(),
-            });
+            Cut { record, state: left.state, samples: from..to, changes }.join(&mut cuts);
+            if cuts.len() > MOST_PUSHES * records.len() {
+                return None;
+            }
             let rest = [samples.start..from, to..samples.end].into_iter();
             let rest = rest
                 .filter(|samples| samples.len() >= FEWEST_SAMPLES)
@@ -99,34 +124,87 @@ impl TrialModel {
                 return None;
             }
         }
-        if pushes.is_empty() {
+        if cuts.is_empty() {
             return None;
         }
-        pushes.sort_by(|a, b| {
-            (&a.record, a.from).partial_cmp(&(&b.record, b.from)).unwrap_or(std::cmp::Ordering::Equal)
-        });
+        cuts.sort_by_key(|cut| (cut.record, cut.samples.start));
+        let pushes = cuts.iter().map(|cut| self.push(cut)).collect();
         let found = self.of_pieces(&pieces, None, stopped)?;
         found.verdict.holds().then_some((pushes, found))
     }
+
+    fn push(&self, cut: &Cut) -> Push {
+        let (record, state) = (&self.records[cut.record], &self.system.states[cut.state]);
+        let time = |k: usize| record.time[k.min(record.time.len() - 1)];
+        Push {
+            record: record.name.clone(),
+            at: state.name.clone(),
+            from: time(cut.samples.start),
+            to: time(cut.samples.end),
+            changes: cut.changes / state.factor,
+            unit: state.unit.clone(),
+        }
+    }
 }
 
-/// The stretch about the largest force in which it comes back above the scatter of the rest.
+/// The stretch whose force is the strongest beside the rest: where the likelihood of two levels is largest, one within and
+/// one without, both normal about zero. Given the levels it is the largest sum of a stretch (J. Bentley, Programming pearls:
+/// algorithm design techniques, 1984); the levels follow from it until it stays.
 fn burst(course: &[(f64, f64)]) -> Option<Range<usize>> {
-    let size = |k: usize| course[k].1.abs();
-    let peak = (0..course.len()).max_by(|&a, &b| size(a).total_cmp(&size(b)))?;
-    let mut sizes: Vec<f64> = (0..course.len()).map(size).collect();
-    let middle = sizes.len() / 2;
-    let (_, median, _) = sizes.select_nth_unstable_by(middle, f64::total_cmp);
-    // Half of what is normal lies within 0.6745 standard deviations.
-    let level = PUSH_STANDS_OUT * *median / 0.6745;
-    let pause = (PUSH_PAUSE * course.len() as f64) as usize + 1;
-    let strong = |k: &usize| size(*k) >= level;
-    let (mut start, mut end) = (peak, peak + 1);
-    while let Some(k) = (start.saturating_sub(pause)..start).find(strong) {
-        start = k;
+    let squares: Vec<f64> = course.iter().map(|(_, force)| force * force).collect();
+    let mut sorted = squares.clone();
+    sorted.sort_unstable_by(f64::total_cmp);
+    // Half of the squares of a standard normal number are below 0.455.
+    let mut without = (*sorted.get(sorted.len() / 2)? / 0.455).max(f64::MIN_POSITIVE);
+    let mut within = *sorted.last()?;
+    let mut stretch = 0..0;
+    for _ in 0..BURST_ROUNDS {
+        let gains = squares.iter().map(|f| f / without - f / within - (within / without).ln());
+        let next = largest_sum(gains);
+        if next == stretch || next.len() < 2 || next.len() == squares.len() {
+            break;
+        }
+        stretch = next;
+        let inside: f64 = squares[stretch.clone()].iter().sum();
+        within = inside / stretch.len() as f64;
+        without = (squares.iter().sum::<f64>() - inside) / (squares.len() - stretch.len()) as f64;
+        if without.is_nan() || without <= 0.0 || without >= within {
+            break;
+        }
     }
-    while let Some(k) = (end..(end + pause).min(course.len())).rev().find(strong) {
-        end = k + 1;
+    (stretch.len() > 1).then_some(stretch)
+}
+
+/// The stretch with the largest sum.
+fn largest_sum(values: impl Iterator<Item = f64>) -> Range<usize> {
+    let (mut start, mut sum, mut best) = (0, 0.0, (0.0, 0..0));
+    for (k, value) in values.enumerate() {
+        if sum <= 0.0 {
+            (start, sum) = (k, 0.0);
+        }
+        sum += value;
+        if sum > best.0 {
+            best = (sum, start..k + 1);
+        }
     }
-    (end > start + 1).then_some(start..end)
+    best.1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A constant push, one of both signs, and one that takes a quarter of the record, in the scatter of an estimate.
+    #[test]
+    fn a_burst_is_where_the_force_is_strong() {
+        let scatter = |k: usize| 0.3 * (1.7 * k as f64).sin();
+        let pushes: [(Range<usize>, fn(usize) -> f64); 3] =
+            [(100..170, |_| 0.8), (20..60, |k| if k % 8 < 4 { 0.9 } else { -0.9 }), (150..230, |_| -1.0)];
+        for (at, push) in pushes {
+            let force = |k: usize| scatter(k) + if at.contains(&k) { push(k) } else { 0.0 };
+            let course: Vec<(f64, f64)> = (0..300).map(|k| (0.01 * k as f64, force(k))).collect();
+            let found = burst(&course).unwrap();
+            assert!(found.start.abs_diff(at.start) < 4 && found.end.abs_diff(at.end) < 4, "{found:?} {at:?}");
+        }
+    }
 }
