@@ -2,9 +2,9 @@
 //! slower than its model lacks no force, and no law describes the residual.
 
 use crate::alternative_constant::numbers;
-use crate::decisions::{CLOCK_CAUSE, CLOCK_HELPS, CLOCK_OFF, SAME_RATIO};
+use crate::decisions::{CLOCK_CAUSE, CLOCK_HELPS, CLOCK_OFF, SAME_RATIO, SURE};
 use crate::drive::Drive;
-use crate::model::{Fitted, TrialModel, shortened};
+use crate::model::{Fitted, Measure, TrialModel, shortened};
 use crate::result::{Activity, DriveFrequency, RoundStart};
 use crate::search::{Observe, Search, placed};
 use crate::whiteness::{lines, mean_step};
@@ -35,7 +35,10 @@ pub(crate) fn drive_frequency(base: &Fitted, search: &mut Search<'_>) -> Option<
         let searched = beside.run(best.settled());
         best = searched.ok().map(|s| s.last).filter(|f| f.score.explains()).unwrap_or(best);
     }
-    let explains = best.score.explains();
+    // A rate of the clock is worth its price, or chance alone brings the last step down to the noise.
+    let by = Measure::of([&base.score, &best.score], 1);
+    let gain = by.criterion(&base.score) - by.criterion(&best.score) - (base.score.samples as f64).ln();
+    let explains = best.score.explains() && gain > 2.0 * (SURE / (1.0 - SURE)).ln();
     if !explains && !cause {
         return None;
     }

@@ -100,7 +100,9 @@ impl<'s, 'a> Ending<'s, 'a> {
         let repeats = floor > 0.0 && self.last.score.gap() <= REPEATS * floor;
         let (status, warning) = status(&self.last.score, repeats, bent(&self.last));
         self.warnings.extend(warning);
+        let status = if status == Status::Explained { self.without_hum()? } else { status };
         let (status, determined) = self.doubts(status);
+        let searched = self.path.clone();
         let (status, alternative) = self.other_explanations(status, repeats, determined)?;
         let determined =
             if status == Status::Unexplained { determined.min(self.late_doubts()) } else { determined };
@@ -118,7 +120,7 @@ impl<'s, 'a> Ending<'s, 'a> {
             None => (status, alternative, determined),
         };
         let open_end = status == Status::Unexplained && alternative.is_none();
-        let judged = if open_end { self.by_the_judge_of_run(determined)? } else { None };
+        let judged = if open_end { self.by_the_judge_of_run(searched, determined)? } else { None };
         let status = judged.unwrap_or(status);
         let found = |a: &Applied| a.effect.entry.id == DISCOVERED;
         let status = match status {
@@ -131,7 +133,7 @@ impl<'s, 'a> Ending<'s, 'a> {
         self.warnings.extend(sensitive_starts(&self.last.cal.records).into_iter().map(Warning::Fit));
         let steps: Vec<Step> = (0..self.last.model.effects.len()).map(|k| self.step(k)).collect();
         // No result claims more than its own probability, and a formula no more than that of a force without one.
-        let unlikely = |s: &Step| s.probability.is_some_and(|p| p < 0.5);
+        let unlikely = |s: &Step| s.probability.is_some() && !s.is_sure();
         let none = if self.interrupted() { None } else { probability_of_none(&self.last, &self.noise) };
         let status = match status {
             Status::Explained if steps.iter().any(unlikely) => Status::Undetermined,
@@ -233,28 +235,34 @@ impl<'s, 'a> Ending<'s, 'a> {
         Ok(Some(pushes))
     }
 
-    /// What `run` says of the model with the laws that bring the gap far down, or as it is, where that holds although the gap
-    /// is larger than the noise: noise of any colour is noise, and it may be more than the columns tell. Nothing else may come
-    /// near, and the numbers are determined. The result is that model then.
-    fn by_the_judge_of_run(&mut self, determined: usize) -> Result<Option<Status>, GapError> {
-        let steps: Vec<Step> = (0..self.last.model.effects.len()).map(|k| self.step(k)).collect();
-        let n = substantial(&steps);
-        let sure = |s: &Step| {
-            let own = PlacedLaw::of(&s.effect);
-            probability_beside(s.rivals.iter().filter(|r| !r.laws.contains(&own))) >= SURE
-        };
-        if n > determined || self.interrupted() || !steps[..n].iter().all(sure) {
+    /// What `run` says of the best model that the search found, where that holds although the gap is larger than the noise:
+    /// noise of any colour is noise, and it may be more than the columns tell. The numbers are determined. The result is that
+    /// model then.
+    fn by_the_judge_of_run(
+        &mut self,
+        searched: Vec<Fitted>,
+        determined: usize,
+    ) -> Result<Option<Status>, GapError> {
+        let by = Measure::of(searched.iter().map(|f| &f.score), self.candidates);
+        let criterion = |n: &usize| by.criterion(&searched[*n].score);
+        let best = (0..searched.len().min(determined + 1))
+            .filter(|n| *n == 0 || searched[*n].follows())
+            .min_by(|a, b| criterion(a).total_cmp(&criterion(b)));
+        let Some(n) = best.filter(|_| !self.interrupted()) else { return Ok(None) };
+        // Nothing is missing where no law does better.
+        let better = |t: &&Tried| t.gap.is_some() && t.vetoed.is_none();
+        let for_laws: f64 = self.tried.0.iter().filter(better).map(|t| (0.5 * t.score).exp()).sum();
+        if n == 0 && (1.0 + for_laws).recip() < SURE {
             return Ok(None);
         }
         let observer = &self.search.observer;
-        let with = if n == steps.len() { &self.last } else { &self.path[n] };
-        let Some(found) = with.model.with_random_force(&|| observer.stopped()) else { return Ok(None) };
-        let status = match (n, &found.verdict) {
-            (0, Verdict::Identified) => Status::NothingMissing,
-            (1.., Verdict::Identified) => Status::Explained,
-            _ => return Ok(None),
+        let Some(found) = searched[n].model.with_random_force(&|| observer.stopped()) else {
+            return Ok(None);
         };
-        let before = (self.last.clone(), self.path.clone());
+        if found.verdict != Verdict::Identified {
+            return Ok(None);
+        }
+        let before = (self.last.clone(), std::mem::replace(&mut self.path, searched));
         self.keep(n)?;
         self.take_numbers(&found);
         // Laws beside a constant that the data press against its bound stand for something else.
@@ -262,7 +270,30 @@ impl<'s, 'a> Ending<'s, 'a> {
             (self.last, self.path) = before;
             return Ok(None);
         }
-        Ok(Some(status))
+        Ok(Some(match n {
+            0 => Status::NothingMissing,
+            _ if (0..n).all(|k| self.step(k).is_sure()) => Status::Explained,
+            _ => Status::Undetermined,
+        }))
+    }
+
+    /// Drops the last forces of time alone, where the judge of `run` takes what they do for noise: a force moves all columns
+    /// as the model is moved, hum is in a sensor. Returns the status of what is left.
+    fn without_hum(&mut self) -> Result<Status, GapError> {
+        let effects = &self.last.model.effects;
+        let n = effects.iter().rposition(|a| !a.effect.entry.law.is_of_time()).map_or(0, |k| k + 1);
+        if n == effects.len() || self.interrupted() {
+            return Ok(Status::Explained);
+        }
+        let observer = &self.search.observer;
+        let found = self.path[n].model.with_random_force(&|| observer.stopped());
+        let Some(found) = found.filter(|f| f.verdict == Verdict::Identified) else {
+            return Ok(Status::Explained);
+        };
+        self.keep(n)?;
+        self.take_numbers(&found);
+        self.warnings.extend(causes(&self.base, &self.last).into_iter().map(Warning::Cause));
+        Ok(if n == 0 { Status::NothingMissing } else { Status::Explained })
     }
 
     /// Keeps the first `n` effects, with the errors of their numbers.
@@ -480,6 +511,19 @@ impl<'s, 'a> Ending<'s, 'a> {
             rivals,
             vetoed: round.map_or(vec![], |r| r.vetoed.clone()),
         }
+    }
+}
+
+impl Step {
+    /// Whether the law is sure beside its rivals. One that holds it, or of which it is a special case, speaks against it
+    /// only where it does better.
+    fn is_sure(&self) -> bool {
+        let own = &self.effect;
+        let holds = |r: &Rival| {
+            let mut effects = r.model.iter().flat_map(|m| m.effects.iter().map(|a| &a.effect));
+            effects.any(|e| e.same(own) || own.is_simpler_form_of(e))
+        };
+        probability_beside(self.rivals.iter().filter(|r| r.delta_bic < 0.0 || !holds(r))) >= SURE
     }
 }
 

@@ -175,13 +175,14 @@ fn with_force(
     }
 }
 
-/// What a verdict that holds says where more than noise is left. Noise of any colour leaves it as it is. What mostly
-/// follows the motion is a force: of an output it is there to be seen, and a large one is a law that is missing.
+/// What a verdict that holds says where more than noise is left. Noise of any colour leaves it as it is, unless it is so
+/// large that it may be a force as well. What mostly follows the motion is a force: of an output it is there to be seen,
+/// and a large one is a law that is missing.
 fn with_remains(held: Verdict, system: &System, records: &[Record], fits: &[RecordFit]) -> Verdict {
-    // Where states jump no force is fitted beside the model, so that what is left is seen in the columns alone.
     let missed = fits.iter().flat_map(|f| f.nrmse.iter().map(move |(column, share)| (f, column, *share)));
-    let most = missed.max_by(|a, b| a.2.total_cmp(&b.2)).filter(|m| system.jumps() && m.2 > LAW_MISSING);
-    if let Some((fit, column, share)) = most {
+    let most = missed.max_by(|a, b| a.2.total_cmp(&b.2)).filter(|m| m.2 > LAW_MISSING);
+    // Where states jump no force is fitted beside the model, so that what is left is seen in the columns alone.
+    if let Some((fit, column, share)) = most.filter(|_| system.jumps()) {
         let (record, of) = (fit.name.clone(), column.clone());
         return Verdict::Rejected(Rejection::LawMissing { record, of, output: true, share });
     }
@@ -194,7 +195,7 @@ fn with_remains(held: Verdict, system: &System, records: &[Record], fits: &[Reco
             let of = system.measured(k).0.to_owned();
             Verdict::Rejected(Rejection::LawMissing { record, of, output: true, share })
         }
-        None if all.is_empty() => held,
+        None if all.is_empty() && most.is_none() => held,
         None => Verdict::Named,
     }
 }

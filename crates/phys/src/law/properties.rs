@@ -92,6 +92,17 @@ impl Law {
         !self.sticks() && of.graph.uses(&[force], &[v]) && !of.graph.uses(&[force], &others)
     }
 
+    /// Whether it is a force of time alone.
+    pub fn is_of_time(&self) -> bool {
+        let of = &self.compiled;
+        let Some(force) = of.force else { return false };
+        let others: Vec<Id> = (of.displacement.into_iter().chain(of.velocity).chain(of.load))
+            .chain(of.outside.iter().map(|(_, id)| *id))
+            .collect();
+        let timed = of.graph.uses(&[force], &[of.time]) && !of.graph.uses(&[force], &others);
+        timed && !self.has_memory()
+    }
+
     /// Whether it is a spring: a force of the displacement alone, without memory.
     pub fn is_spring(&self) -> bool {
         let of_displacement = self.role(Role::Displacement).is_some() && self.role(Role::Velocity).is_none();

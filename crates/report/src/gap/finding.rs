@@ -118,6 +118,8 @@ fn rest(found: &Gap, after: f64) -> &'static str {
         "the few samples of the input allow no more"
     } else if matches!(found.alternative, Some(Alternative::InputNoise(_))) {
         "the rest is the noise of the input"
+    } else if found.repeat.is_empty() {
+        "the rest is noise of another colour or size than the columns tell"
     } else {
         "the rest is about what the motion itself repeats to"
     }

@@ -73,6 +73,8 @@ fn limit(found: &Gap) -> &'static str {
         ", as near as the few samples of its input allow"
     } else if matches!(found.alternative, Some(Alternative::InputNoise(_))) {
         ", as near as the noise of its input allows"
+    } else if found.repeat.is_empty() {
+        ", and what is left is noise of another colour or size than the columns tell"
     } else {
         ", which is about what the motion itself repeats to"
     }
