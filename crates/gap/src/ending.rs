@@ -2,7 +2,7 @@
 
 use crate::alternative_constant::alternative_constant;
 use crate::data_mistakes::data_mistakes;
-use crate::decisions::{REPEATS, SAME_FREQUENCY, SUBSTANTIAL, SURE};
+use crate::decisions::{MOST_OF_RESIDUAL, REPEATS, SAME_FREQUENCY, SUBSTANTIAL, SURE};
 use crate::drive::Drive;
 use crate::drive_frequency::drive_frequency;
 use crate::formula::{DISCOVERED, expansion};
@@ -115,7 +115,7 @@ impl<'s, 'a> Ending<'s, 'a> {
             }
             _ => (status, determined),
         };
-        let (status, alternative, determined) = match self.pushes(status, alternative.as_ref())? {
+        let (status, alternative, determined) = match self.pushes(status, alternative.as_ref(), &searched)? {
             Some(pushes) => (Status::Named, Some(Alternative::Pushes(pushes)), self.last.model.effects.len()),
             None => (status, alternative, determined),
         };
@@ -220,10 +220,21 @@ impl<'s, 'a> Ending<'s, 'a> {
         }
     }
 
-    /// The pushes between which the model as it is leaves nothing, where nothing else explains the gap; the result is that
-    /// model then. Laws beside pushes may stand for what the pushes leave.
-    fn pushes(&mut self, status: Status, other: Option<&Alternative>) -> Result<Option<Vec<Push>>, GapError> {
-        if status != Status::Unexplained || other.is_some() || self.interrupted() {
+    /// The pushes between which the model as it is leaves nothing, where nothing else explains the gap or most of it; the
+    /// result is that model then. Laws beside pushes may stand for what the pushes leave.
+    fn pushes(
+        &mut self,
+        status: Status,
+        other: Option<&Alternative>,
+        searched: &[Fitted],
+    ) -> Result<Option<Vec<Push>>, GapError> {
+        let beyond = |f: &Fitted| f.score.gap().powi(2) - 1.0;
+        let by_a_law = |f: &Fitted| beyond(f) < (1.0 - MOST_OF_RESIDUAL) * beyond(&self.base);
+        if status != Status::Unexplained
+            || other.is_some()
+            || searched.iter().any(by_a_law)
+            || self.interrupted()
+        {
             return Ok(None);
         }
         let observer = &self.search.observer;

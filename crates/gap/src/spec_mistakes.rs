@@ -1,5 +1,5 @@
-//! What a spec may have mixed up: the values of two constants, such as two masses, or a column that is
-//! measured against another body and not against the ground (or the other way round).
+//! What a spec may have mixed up: the values of two constants, such as two masses, a column that is
+//! measured against another body and not against the ground (or the other way round), the sign of a column or an input.
 
 use crate::decisions::EXCHANGED;
 use crate::model::{Fitted, TrialModel, current};
@@ -16,7 +16,7 @@ pub(crate) fn spec_mistake(base: &Fitted, last: &Fitted, noise: &[Vec<f64>]) -> 
     let effects = current(last);
     let plain = base.model.without_effects();
     let changed: Vec<(SpecMistake, TrialModel)> =
-        exchanged(&plain).into_iter().chain(shifted(&plain)).collect();
+        exchanged(&plain).into_iter().chain(shifted(&plain)).chain(turned(&plain)).collect();
     let lists = if effects.is_empty() { vec![vec![]] } else { vec![vec![], effects] };
     let trials: Vec<(&SpecMistake, TrialModel)> = changed
         .iter()
@@ -101,6 +101,34 @@ fn shifted(base: &TrialModel) -> Vec<(SpecMistake, TrialModel)> {
     all
 }
 
+/// The model with each input, and each column beside others, of the other sign.
+fn turned(base: &TrialModel) -> Vec<(SpecMistake, TrialModel)> {
+    let system = &base.system;
+    let of = |name: &str, turn: &dyn Fn(&mut Record)| {
+        let mut model = base.clone();
+        Arc::make_mut(&mut model.records).iter_mut().for_each(turn);
+        Arc::make_mut(&mut model.smooth).iter_mut().for_each(turn);
+        (SpecMistake::Sign { of: name.to_owned(), gap: 0.0 }, model)
+    };
+    let input = |i: usize| of(&system.inputs[i].name, &|r| r.inputs[i] = r.inputs[i].rescaled(0.0, -1.0));
+    let measured = |k: &usize| base.records.iter().any(|r| r.columns[*k].is_some());
+    let columns: Vec<usize> = (0..system.columns()).filter(measured).collect();
+    let negative = |column: &mut Vec<f64>| column.iter_mut().for_each(|x| *x = -*x);
+    let column = |&k: &usize| {
+        // What is known of its rate is known from this column, unless that one is measured too.
+        let rate = system.states.get(k).and_then(|s| s.velocity).filter(|v| !measured(v));
+        let both = [Some(k), rate];
+        let turn = |r: &mut Record| {
+            let own = both.into_iter().flatten();
+            own.for_each(|k| r.columns[k].as_mut().into_iter().for_each(negative));
+        };
+        of(system.measured(k).0, &turn)
+    };
+    // The only column of a driven rig is the other side of its input.
+    let apart = columns.len() > 1 || system.inputs.is_empty();
+    (0..system.inputs.len()).map(input).chain(columns.iter().filter(|_| apart).map(column)).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -148,5 +176,24 @@ mod tests {
         let found = spec_mistake(&wrong, &wrong, &noise);
         let Some(SpecMistake::Column { of, other, relative: true, .. }) = found else { panic!("{found:?}") };
         assert_eq!((of.column.as_str(), other.as_str()), ("x2", "x1"));
+    }
+
+    #[test]
+    fn a_sign_is_told() {
+        let driven = |sign: &str| {
+            model(&format!(
+                r#"(states: {{ "x": "m", "v": "m/s" }}, inputs: {{ "F": "N" }}, constants: {{ "m": (1.0, "kg"), "k": (30.0, "N/m"), "c": (0.5, "N*s/m") }},
+                known: {{ "x": "v", "v": "(F - c*v - k*x)/m" }}, unknown: {{}},
+                data: [ Synthetic(truth: {{ "v": "{sign}" }}, start: {{ "x": 0.0, "v": 0.0 }}, duration: 12.0, step: 0.02,
+                    inputs: {{ "F": Multisine(amplitude: 5.0, band: (0.2, 2.0), count: 9) }}, noise: Additive(0.01), seed: 1, measure: ["x"]) ])"#
+            ))
+        };
+        let (right, noise) = driven("0");
+        let right = fitted(right, &noise);
+        assert_eq!(spec_mistake(&right, &right, &noise), None);
+        let (wrong, noise) = driven("-2*F");
+        let wrong = fitted(wrong, &noise);
+        let found = spec_mistake(&wrong, &wrong, &noise);
+        assert!(matches!(&found, Some(SpecMistake::Sign { of, .. }) if of == "F"), "{found:?}");
     }
 }

@@ -306,13 +306,22 @@ pub enum SpecMistake {
         /// The gap that is left.
         gap: f64,
     },
+    /// An input or a column counts in the other direction.
+    Sign {
+        /// Its name.
+        of: String,
+        /// The gap that is left.
+        gap: f64,
+    },
 }
 
 impl SpecMistake {
     /// The same finding with this gap.
     pub(crate) fn with_gap(mut self, left: f64) -> SpecMistake {
         match &mut self {
-            SpecMistake::Constants { gap, .. } | SpecMistake::Column { gap, .. } => *gap = left,
+            SpecMistake::Constants { gap, .. }
+            | SpecMistake::Column { gap, .. }
+            | SpecMistake::Sign { gap, .. } => *gap = left,
         }
         self
     }

@@ -375,6 +375,12 @@ impl Display for Warning {
                     of.column
                 )
             }
+            Warning::Spec(SpecMistake::Sign { of, gap }) => {
+                write!(
+                    f,
+                    "with {of} of the other sign the gap is {gap:.3}: which direction counts as positive there?"
+                )
+            }
             Warning::SensorNonlinearity(SensorNonlinearity { law, of, bend }) => write!(
                 f,
                 "the effect of {law} is so small that a slightly nonlinear sensor would look the same: in {} the scale of {} would have to bend by {:.2} % of the motion; calibrate it, or measure at a larger amplitude",

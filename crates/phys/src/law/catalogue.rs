@@ -39,6 +39,7 @@ impl LawEntry {
 pub const BUILT_IN: &[(&str, &str)] = &[
     ("asymmetric-coulomb", include_str!("../../laws/asymmetric-coulomb.ron")),
     ("backlash", include_str!("../../laws/backlash.ron")),
+    ("bilinear-damping", include_str!("../../laws/bilinear-damping.ron")),
     ("bilinear-stiffness", include_str!("../../laws/bilinear-stiffness.ron")),
     ("bouc-wen", include_str!("../../laws/bouc-wen.ron")),
     ("cogging", include_str!("../../laws/cogging.ron")),
@@ -47,7 +48,9 @@ pub const BUILT_IN: &[(&str, &str)] = &[
     ("cubic-stiffness", include_str!("../../laws/cubic-stiffness.ron")),
     ("dead-zone", include_str!("../../laws/dead-zone.ron")),
     ("dieterich-ruina", include_str!("../../laws/dieterich-ruina.ron")),
+    ("digressive-damping", include_str!("../../laws/digressive-damping.ron")),
     ("drifting-friction", include_str!("../../laws/drifting-friction.ron")),
+    ("drifting-stiffness", include_str!("../../laws/drifting-stiffness.ron")),
     ("geared-stribeck", include_str!("../../laws/geared-stribeck.ron")),
     ("hanging-body", include_str!("../../laws/hanging-body.ron")),
     ("harmonic-force", include_str!("../../laws/harmonic-force.ron")),
