@@ -1,7 +1,7 @@
 //! How a model does on records as a workshop takes them: short ones, and with a drive that is measured with noise.
 #![allow(missing_docs)]
 
-use phisindy_gap::{Alternative, Status, gap, standing};
+use phisindy_gap::{Alternative, Gap, Status, gap, standing};
 use phisindy_phys::spec::Spec;
 use phisindy_phys::{Case, LawEntry, Origin, Record, SourceId, check, spec};
 use phisindy_sim::synthesize;
@@ -81,33 +81,37 @@ fn numbers_hold_beside_a_force_that_is_measured_with_noise() {
     assert!(missed.len() <= 1, "{missed:?}");
 }
 
+/// A driven mass on a spring, and what the model lacks in the record to fit and in the one to validate.
+fn rig(lacks: [&str; 2]) -> String {
+    let record = |lacks: &str, seed: usize, role: &str| {
+        format!(
+            r#"Synthetic(name: "{role}", inputs: {{ "F": Multisine(amplitude: 8.0, band: (0.5, 6.0), count: 15) }}, truth: {{ "v": "({lacks})/m" }},
+                start: {{}}, duration: 6.0, step: 0.005, noise: Sensor({{ "x": (5e-5, "m") }}), measure: ["x"], seed: {seed}, role: {role})"#
+        )
+    };
+    format!(
+        r#"(constants: {{ "m": (2.0, "kg"), "k": (value: 800.0, unit: "N/m", within: (640.0, 960.0)), "c": (value: 1.5, unit: "N*s/m", within: (0.0, 6.0)) }},
+            states: {{ "x": "m", "v": "m/s" }}, inputs: {{ "F": "N" }}, known: {{ "x": "v", "v": "(F - c*v - k*x)/m" }}, inertia: {{ "v": "m" }},
+            unknown: {{}}, data: [{}, {}])"#,
+        record(lacks[0], 31, "Fit"),
+        record(lacks[1], 32, "Validate")
+    )
+}
+
+fn found(text: &str, catalogue: &[LawEntry], changed: impl Fn(&mut Record)) -> Gap {
+    let (_, case, mut records) = loaded(text);
+    records.iter_mut().for_each(changed);
+    gap(text, case, records, catalogue, &mut |_, _| ControlFlow::Continue(())).expect("a result")
+}
+
 /// Two pushes that nobody measured are told with their times, beside numbers that hold; a cubic spring that the model lacks
 /// is no push, although its force comes in bursts.
 #[test]
 fn pushes_that_nobody_measured_are_told_with_their_times() {
-    let rig = |lacks: [&str; 2]| {
-        let record = |lacks: &str, seed: usize, role: &str| {
-            format!(
-                r#"Synthetic(name: "{role}", inputs: {{ "F": Multisine(amplitude: 8.0, band: (0.5, 6.0), count: 15) }}, truth: {{ "v": "({lacks})/m" }},
-                    start: {{}}, duration: 6.0, step: 0.005, noise: Sensor({{ "x": (5e-5, "m") }}), measure: ["x"], seed: {seed}, role: {role})"#
-            )
-        };
-        format!(
-            r#"(constants: {{ "m": (2.0, "kg"), "k": (value: 800.0, unit: "N/m", within: (640.0, 960.0)), "c": (value: 1.5, unit: "N*s/m", within: (0.0, 6.0)) }},
-                states: {{ "x": "m", "v": "m/s" }}, inputs: {{ "F": "N" }}, known: {{ "x": "v", "v": "(F - c*v - k*x)/m" }}, inertia: {{ "v": "m" }},
-                unknown: {{}}, data: [{}, {}])"#,
-            record(lacks[0], 31, "Fit"),
-            record(lacks[1], 32, "Validate")
-        )
-    };
-    let found = |text: &str| {
-        let (_, case, records) = loaded(text);
-        gap(text, case, records, &[], &mut |_, _| ControlFlow::Continue(())).expect("a result")
-    };
     let half_sine = |from: f64, size: f64| {
         format!("{size:?}*pos(sin(3.14159*(t - {from:?})/0.2))*step(t - {from:?})*step({from:?} + 0.2 - t)")
     };
-    let pushed = found(&rig([&half_sine(2.1, 12.0), &half_sine(3.4, -9.0)]));
+    let pushed = found(&rig([&half_sine(2.1, 12.0), &half_sine(3.4, -9.0)]), &[], |_| ());
     let Some(Alternative::Pushes(pushes)) = &pushed.alternative else { panic!("{:?}", pushed.status) };
     assert_eq!(pushed.status, Status::Named);
     for (record, from, change) in [("Fit", 2.1, 12.0), ("Validate", 3.4, -9.0)] {
@@ -119,6 +123,27 @@ fn pushes_that_nobody_measured_are_told_with_their_times() {
     }
     let k = pushed.parameters.iter().find(|p| p.id.to_string() == "k").expect("a number").estimate.ci95;
     assert!(k.0 < 800.0 && k.1 > 800.0, "{k:?}");
-    let bent = found(&rig(["-2e7*x^3", "-2e7*x^3"]));
+    let bent = found(&rig(["-2e7*x^3", "-2e7*x^3"]), &[], |_| ());
     assert!(!matches!(bent.alternative, Some(Alternative::Pushes(_))), "{:?}", bent.alternative);
+    // One that lasts for a fifth of the record.
+    let leaned = found(&rig(["1.5*step(t - 2.0)*step(3.2 - t)", "0"]), &[], |_| ());
+    let Some(Alternative::Pushes(pushes)) = &leaned.alternative else { panic!("{:?}", leaned.status) };
+    let [push] = &pushes[..] else { panic!("{pushes:?}") };
+    assert!((push.from - 2.0).abs() < 0.06 && (push.to - 3.2).abs() < 0.06, "{push:?}");
+}
+
+/// A tone in a sensor is hum, a force that oscillates moves the mass as the model moves: the same size in the column.
+#[test]
+fn a_tone_in_a_sensor_is_hum_and_a_force_is_a_force() {
+    let tone = include_str!("../../phys/laws/harmonic-force.ron");
+    let catalogue = [LawEntry::read("harmonic-force", tone).expect("a law")];
+    let hum = |record: &mut Record| {
+        let column = record.columns[0].as_mut().expect("a column");
+        column.iter_mut().zip(&*record.time).for_each(|(x, t)| *x += 2e-4 * (31.0 * t).sin());
+    };
+    let in_sensor = found(&rig(["0", "0"]), &catalogue, hum);
+    assert_eq!((in_sensor.status, in_sensor.steps.len()), (Status::NothingMissing, 0));
+    let force = "1.5*sin(31.0*t)";
+    let on_mass = found(&rig([force, force]), &catalogue, |_| ());
+    assert_eq!((on_mass.status, on_mass.steps.len()), (Status::Explained, 1));
 }
