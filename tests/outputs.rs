@@ -247,7 +247,7 @@ fn a_model_without_states_has_an_answer() {
     let folder = folder("outputs-tester-2");
     let row = |k: u32| {
         let t = f64::from(k) * 0.005;
-        let noise = 0.2 * (f64::from(k) * 12.9898).sin();
+        let noise = 0.2 * (43758.5453 * (f64::from(k) * 12.9898).sin()).fract();
         format!("{t},{:.8},{:.6}\n", 0.01 * (6.0 * t).sin(), 0.06 * 800.0 * (6.0 * t).cos() + noise)
     };
     std::fs::write(folder.join("a.csv"), format!("t,x,F\n{}", (0..1200).map(row).collect::<String>()))

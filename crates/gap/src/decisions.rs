@@ -252,6 +252,8 @@ decisions! {
     FAR_ABOVE: f64 = 10.0, "factor", Basis::Judgement("a law that is right does not end a decade above the record");
     /// An elastic contact whose force stays below this never slips.
     SLIPS: f64 = 0.5, "of the level", BLIND;
+    /// A damper whose force at slow motion is a larger part of that at quick motion is dry friction.
+    LEVEL: f64 = 0.9, "of the force", Basis::Judgement("dry friction of a joint scatters by a tenth from speed to speed");
     // The end.
 
     /// This number of effects can hide whatever is missing.

@@ -2,9 +2,10 @@
 //! law's file, the drive, compliance during stops.
 
 use crate::constraint::fulfilled;
-use crate::decisions::{EXPLAINED, FAR_ABOVE, GIVES_BACK, GIVES_WAY, SHORT_STOP, SLIPS};
+use crate::decisions::{EXPLAINED, FAR_ABOVE, GIVES_BACK, GIVES_WAY, LEVEL, SHORT_STOP, SLIPS};
 use crate::drive::{Drive, multiple_of_oscillation};
 use crate::evaluate::evaluated;
+use crate::formula::DISCOVERED;
 use crate::model::{Applied, Fitted, values};
 use crate::motion::{Motion, rest_threshold, resting};
 use crate::place::{Effect, Site};
@@ -23,6 +24,7 @@ pub(crate) fn against(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
         violates_requirement,
         parameter_at_bound,
         never_slips,
+        is_dry_friction,
         returns_energy,
         unidentifiable_tone,
         contact_is_rigid,
@@ -177,6 +179,18 @@ fn force_and_speed(fitted: &Fitted, effect: &Effect) -> Option<Vec<(f64, f64)>> 
         all.extend(pairs.filter(|(force, speed)| (force * speed).is_finite()));
     }
     Some(all)
+}
+
+/// A damper whose force is the same in slow and in quick motion, in the first and the last quarter of the speeds, stands
+/// for dry friction, which also holds the body. A formula says itself where it is level.
+fn is_dry_friction(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
+    if !effect.entry.law.is_resistance() || effect.entry.id == DISCOVERED {
+        return None;
+    }
+    let mut all = force_and_speed(fitted, effect)?;
+    all.sort_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
+    let (slow, quick) = (all.get(all.len() / 4)?.0.abs(), all.get(3 * all.len() / 4)?.0.abs());
+    (slow > LEVEL * quick && quick > 0.0).then_some(Veto::IsDryFriction)
 }
 
 /// Friction dissipates. A friction law that returns energy along the measured motion imitates something else.
@@ -364,6 +378,18 @@ mod tests {
         assert_eq!(said("0.13*v", "viscous", VISCOUS, &[-0.05]), Some(Veto::FeedsMotion));
         assert_eq!(said("0.02*v*|v|", "quadratic-drag", DRAG, &[-0.02]), Some(Veto::FeedsMotion));
         assert_eq!(said("-0.1*v*|v|", "quadratic-drag", DRAG, &[0.1]), None);
+    }
+
+    /// A damper that is level from the slowest motion on is friction; one that levels out within the speeds is not.
+    #[test]
+    fn a_damper_whose_force_is_level_is_ruled_out() {
+        let law = include_str!("../../phys/laws/digressive-damping.ron");
+        let at = |knee: f64| {
+            let truth = format!("-{:?}*v/(1 + |v|/{knee:?})", 0.3 / knee);
+            said(&truth, "digressive-damping", law, &[0.3 / knee, knee])
+        };
+        assert_eq!(at(0.002), Some(Veto::IsDryFriction));
+        assert_eq!(at(0.5), None);
     }
 
     /// Twice the frequency of the drive stands for anything cubic.

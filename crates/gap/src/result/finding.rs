@@ -99,6 +99,8 @@ pub enum Veto {
     NotSeen(String),
     /// An elastic contact that never slips.
     NeverSlips,
+    /// Its force hardly depends on the speed: dry friction, which holds the body at rest as well.
+    IsDryFriction,
     /// Friction that would add energy to the motion in places.
     Pushes,
     /// No record lasts half a period of this force; its period (s).

@@ -133,6 +133,9 @@ impl Display for Veto {
                 )
             }
             Veto::NeverSlips => f.write_str("its contact never slips: it stands for a spring"),
+            Veto::IsDryFriction => {
+                f.write_str("its force hardly depends on the speed: it stands for dry friction")
+            }
             Veto::Pushes => f.write_str("in places it would push instead of brake"),
             Veto::SlowTone(period) => write!(f, "no record lasts half of one of its periods ({period:.0} s)"),
             Veto::OwnFrequency { line, times, free } => {
