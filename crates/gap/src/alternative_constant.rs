@@ -20,6 +20,8 @@ pub(crate) struct Instead {
     pub(crate) constant: AlternativeConstant,
     /// Whether the data prefer it clearly.
     pub(crate) much_better: bool,
+    /// The model with its effects and the constant as the spec says, where that explains what `last` does not.
+    pub(crate) without: Option<Fitted>,
 }
 
 /// The best model in which one fixed constant of the spec is free and at least one effect fewer is needed. It
@@ -67,20 +69,23 @@ pub(crate) fn alternative_constant(
     let unit = constant.entry.law.parameters.first()?.1.unit.clone();
     let factor = Unit::parse(&unit).map_or(1.0, |u| u.factor);
     let (kept, own) = (placed(&best.model), placed(&last.model));
-    let without = |a: &[PlacedLaw], b: &[PlacedLaw]| -> Vec<PlacedLaw> {
+    let apart = |a: &[PlacedLaw], b: &[PlacedLaw]| -> Vec<PlacedLaw> {
         a.iter().filter(|law| !b.contains(law)).cloned().collect()
     };
     // Another name for the same force is no better than it.
     let much_better = worse < -WORTH;
+    let as_stated = || Fitted::new(base.with_all(&current(&best)).ok()?, noise, Effort::Plain).ok();
+    let without = if last.score.explains() { None } else { as_stated() };
+    let without = without.filter(|f| f.score.explains() && !f.model.effects.is_empty() && passes_evidence(f));
     let constant = AlternativeConstant {
         constant: NamedValue { name, value: value / factor, unit },
         stated,
-        other: without(&kept, &own),
-        needless: without(&own, &kept),
+        other: apart(&kept, &own),
+        needless: apart(&own, &kept),
         numbers: numbers(&best),
         delta_bic: worse,
     };
-    Some(Instead { constant, much_better })
+    Some(Instead { constant, much_better, without })
 }
 
 /// Whether the model with a free constant needs fewer parameters than `last`.

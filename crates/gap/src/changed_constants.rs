@@ -4,8 +4,8 @@
 use crate::decisions::{CHANGES_KEPT, CONSTANT_OFF, MOST_CHANGED, SIMPLER, SUBSTANTIAL, WORTH};
 use crate::model::{Fitted, Measure, TrialModel};
 use crate::place::{Effect, Place, Site};
-use crate::result::{Activity, Rival, StopReason};
-use crate::search::{Search, Searched, placed, round_from};
+use crate::result::{Activity, StopReason};
+use crate::search::{Search, Searched, round_from};
 use phisindy_learn::Effort;
 use phisindy_phys::LawEntry;
 use phisindy_phys::spec::{ConstantSpec, Spec, Text};
@@ -69,10 +69,8 @@ impl Search<'_> {
             return (searched, alone);
         }
         let changed = fits.remove(0);
-        let mut round = round_from(0, base, &changed, &fits, vec![], *candidates);
-        round.rivals.extend(rivals_of_laws(&searched, all, &changed));
-        let (rounds, stop) = (vec![round], StopReason::White);
-        (Searched { last: changed, rounds, stop, needed: vec![], ..searched }, alone)
+        let rounds = vec![round_from(0, base, &changed, &fits, vec![], *candidates)];
+        (Searched { last: changed, rounds, stop: StopReason::White, needed: vec![], ..searched }, alone)
     }
 }
 
@@ -122,38 +120,13 @@ fn changes(model: &TrialModel) -> Vec<&str> {
     all
 }
 
-/// What a search found in place of changed constants, and its own rivals, as rivals of these; none where it does not
-/// explain the data.
-fn rivals_of_laws(searched: &Searched, constants: usize, changed: &Fitted) -> Vec<Rival> {
-    let Searched { last, rounds, candidates, .. } = searched;
-    if !last.score.explains() {
-        return vec![];
-    }
-    let behind = behind(changed, constants, last, *candidates);
-    let own = Rival {
-        laws: placed(&last.model),
-        delta_bic: 0.0,
-        behind: f64::INFINITY,
-        completed: None,
-        model: Some(Box::new(last.settled())),
-    };
-    let others = rounds.last().into_iter().filter(|round| round.before == 0).flat_map(|round| &round.rivals);
-    let all = others.cloned().chain([own]);
-    all.map(|rival| Rival { delta_bic: rival.delta_bic + behind, ..rival }).collect()
-}
-
-/// How much higher the criterion of a model with laws is than that with changed constants. There are as many choices as
-/// constants, and as many as laws at places.
-fn behind(changed: &Fitted, constants: usize, last: &Fitted, candidates: usize) -> f64 {
-    let by = Measure::of([&changed.score, &last.score], candidates);
-    by.criterion(&last.score) - by.among(constants).criterion(&changed.score)
-}
-
 /// Whether a model with changed constants that explains the data says more than `last`. In place of as many numbers of
 /// a force that is linear it does not: a missing spring and a stiffness that is too small are the same force. But a curve
 /// that the model holds already is that curve with another number.
 fn is_finding(changed: &Fitted, constants: usize, last: &Fitted, candidates: usize) -> bool {
-    let worse = -behind(changed, constants, last, candidates);
+    let by = Measure::of([&changed.score, &last.score], candidates);
+    // There are as many choices as constants, and as many as laws at places.
+    let worse = by.among(constants).criterion(&changed.score) - by.criterion(&last.score);
     let curve = last.model.effects.iter().any(|a| a.effect.entry.law.is_curve());
     let simpler = changed.model.size() < last.model.size() || curve;
     !last.score.explains() || worse < if simpler { SIMPLER } else { -WORTH }

@@ -20,7 +20,7 @@ use crate::result::{
     Named, NotTried, PlacedLaw, Push, RecordValue, Region, Rival, Simulated, Status, Step, StepParameter,
     StopReason, Tried, Veto, Vetoed, Warning, observed_ranges, regions,
 };
-use crate::search::{Round, SEARCHED, Search, Searched, placed, refitted};
+use crate::search::{Round, SEARCHED, Search, Searched, placed, refitted, round_from};
 use crate::sensor_linearity::sensor_nonlinearity;
 use crate::spec_mistakes::spec_mistake;
 use phisindy_learn::{
@@ -103,7 +103,7 @@ impl<'s, 'a> Ending<'s, 'a> {
         let status = if status == Status::Explained { self.without_hum()? } else { status };
         let (status, determined) = self.doubts(status);
         let searched = self.path.clone();
-        let (status, alternative) = self.other_explanations(status, repeats, determined)?;
+        let (status, alternative, determined) = self.other_explanations(status, repeats, determined)?;
         let determined =
             if status == Status::Unexplained { determined.min(self.late_doubts()) } else { determined };
         let (status, determined) = match alternative {
@@ -420,7 +420,7 @@ impl<'s, 'a> Ending<'s, 'a> {
         mut status: Status,
         repeats: bool,
         determined: usize,
-    ) -> Result<(Status, Option<Alternative>), GapError> {
+    ) -> Result<(Status, Option<Alternative>, usize), GapError> {
         let whole = self.last.clone();
         let interrupted = self.interrupted();
         let mut alternative = None;
@@ -430,6 +430,9 @@ impl<'s, 'a> Ending<'s, 'a> {
             self.search.observer.tell(0.95, Activity::Constants);
             let catalogue = self.search.catalogue;
             if let Some(found) = alternative_constant(&whole, catalogue, &self.noise, self.candidates) {
+                if let Some(determined) = found.without.map(|f| self.instead(f)).transpose()?.flatten() {
+                    return Ok((Status::Explained, None, determined));
+                }
                 if found.much_better {
                     status = Status::Unexplained;
                 }
@@ -437,7 +440,7 @@ impl<'s, 'a> Ending<'s, 'a> {
             }
         }
         if status != Status::Unexplained {
-            return Ok((status, alternative));
+            return Ok((status, alternative, determined));
         }
         self.search.observer.tell(0.97, Activity::OtherCauses);
         let mixed = if interrupted { None } else { spec_mistake(&self.base, &whole, &self.noise) };
@@ -482,7 +485,23 @@ impl<'s, 'a> Ending<'s, 'a> {
             alternative = noise.map(Alternative::InputNoise);
         }
         self.warnings.extend(causes(&self.base, &self.last).into_iter().map(Warning::Cause));
-        Ok((status, alternative))
+        Ok((status, alternative, determined))
+    }
+
+    /// Takes effects that explain the data in the place of those of the search, which went astray, if their numbers are
+    /// determined; returns how many there are.
+    fn instead(&mut self, found: Fitted) -> Result<Option<usize>, GapError> {
+        let before = (self.last.clone(), self.path.clone());
+        self.path = path(&self.base, &found, &self.noise);
+        self.last = with_errors(found, &self.noise)?;
+        self.path.push(self.last.clone());
+        if !vetoed(&self.last).is_empty() || pressed(&self.last, &self.noise) {
+            (self.last, self.path) = before;
+            return Ok(None);
+        }
+        let out = std::mem::take(&mut self.rounds).into_iter().flat_map(|round| round.vetoed).collect();
+        self.rounds = vec![round_from(0, &self.base, &self.last, &[before.0], out, self.candidates)];
+        Ok(Some(self.last.model.effects.len()))
     }
 
     /// By how much later effects lowered the criterion of the model with which a round ended.
