@@ -198,9 +198,8 @@ mod tests {
     #[test]
     fn a_burst_is_where_the_force_is_strong() {
         let scatter = |k: usize| 0.3 * (1.7 * k as f64).sin();
-        let pushes: [(Range<usize>, fn(usize) -> f64); 3] =
-            [(100..170, |_| 0.8), (20..60, |k| if k % 8 < 4 { 0.9 } else { -0.9 }), (150..230, |_| -1.0)];
-        for (at, push) in pushes {
+        for (at, size, turns) in [(100..170, 0.8, false), (20..60, 0.9, true), (150..230, -1.0, false)] {
+            let push = |k: usize| if turns && k % 8 < 4 { -size } else { size };
             let force = |k: usize| scatter(k) + if at.contains(&k) { push(k) } else { 0.0 };
             let course: Vec<(f64, f64)> = (0..300).map(|k| (0.01 * k as f64, force(k))).collect();
             let found = burst(&course).unwrap();
