@@ -176,7 +176,7 @@ fn with_force(
 }
 
 /// What a verdict that holds says where more than noise is left. Noise of any colour leaves it as it is, unless it is so
-/// large that it may be a force as well. What mostly follows the motion is a force: of an output it is there to be seen,
+/// large that it may be a force as well, where something moves. What mostly follows the motion is a force: of an output it is there to be seen,
 /// and a large one is a law that is missing.
 fn with_remains(held: Verdict, system: &System, records: &[Record], fits: &[RecordFit]) -> Verdict {
     let missed = fits.iter().flat_map(|f| f.nrmse.iter().map(move |(column, share)| (f, column, *share)));
@@ -195,7 +195,7 @@ fn with_remains(held: Verdict, system: &System, records: &[Record], fits: &[Reco
             let of = system.measured(k).0.to_owned();
             Verdict::Rejected(Rejection::LawMissing { record, of, output: true, share })
         }
-        None if all.is_empty() && most.is_none() => held,
+        None if all.is_empty() && (most.is_none() || system.states.is_empty()) => held,
         None => Verdict::Named,
     }
 }
