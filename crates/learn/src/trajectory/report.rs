@@ -175,9 +175,9 @@ fn with_force(
     }
 }
 
-/// What a verdict that holds says where more than noise is left. Noise of any colour leaves it as it is, unless it is so
-/// large that it may be a force as well, where something moves. What mostly follows the motion is a force: of an output it is there to be seen,
-/// and a large one is a law that is missing.
+/// What a verdict that holds says where more than noise is left. Coloured noise leaves it as it is. If it is large and
+/// something moves, it may be a force as well. What follows the motion is a force; of an output, a large one is a law that
+/// is missing.
 fn with_remains(held: Verdict, system: &System, records: &[Record], fits: &[RecordFit]) -> Verdict {
     let missed = fits.iter().flat_map(|f| f.nrmse.iter().map(move |(column, share)| (f, column, *share)));
     let most = missed.max_by(|a, b| a.2.total_cmp(&b.2)).filter(|m| m.2 > LAW_MISSING);
