@@ -75,8 +75,9 @@ pub(crate) fn alternative_constant(
     // Another name for the same force is no better than it.
     let much_better = worse < -WORTH;
     let as_stated = || Fitted::new(base.with_all(&current(&best)).ok()?, noise, Effort::Plain).ok();
-    let without = if last.score.explains() { None } else { as_stated() };
-    let without = without.filter(|f| f.score.explains() && !f.model.effects.is_empty() && passes_evidence(f));
+    let needed = !last.score.explains() && !best.model.effects.is_empty();
+    let without = if needed { as_stated() } else { None };
+    let without = without.filter(|f| f.score.explains() && passes_evidence(f));
     let constant = AlternativeConstant {
         constant: NamedValue { name, value: value / factor, unit },
         stated,

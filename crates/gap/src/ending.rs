@@ -214,10 +214,20 @@ impl<'s, 'a> Ending<'s, 'a> {
     /// Takes the numbers of the final model from the fit that leaves a random force on each body. The noise of an input
     /// is one: a free run sums it up and bends the numbers to it, by more than its intervals say.
     fn refit_with_random_force(&mut self) {
-        let observer = &self.search.observer;
-        if let Some(found) = self.last.model.with_random_force(&|| observer.stopped()) {
+        if let Some(found) = self.with_random_force(&self.last) {
             self.take_numbers(&found);
         }
+    }
+
+    /// The fit of a model that leaves a random force on each body.
+    fn with_random_force(&self, of: &Fitted) -> Option<Identified> {
+        let observer = &self.search.observer;
+        of.model.with_random_force(&|| observer.stopped())
+    }
+
+    /// The same fit, where it needs no force.
+    fn without_force(&self, of: &Fitted) -> Option<Identified> {
+        self.with_random_force(of).filter(|found| found.verdict == Verdict::Identified)
     }
 
     /// The pushes between which the model as it is leaves nothing, where nothing else explains the gap or most of it; the
@@ -246,9 +256,8 @@ impl<'s, 'a> Ending<'s, 'a> {
         Ok(Some(pushes))
     }
 
-    /// What `run` says of the best model that the search found, where that holds although the gap is larger than the noise:
-    /// noise of any colour is noise, and it may be more than the columns tell. The numbers are determined. The result is that
-    /// model then.
+    /// The status of the best model of the search, if a fit with a random force on each body needs no force: the noise may
+    /// have a colour, or be larger than the columns tell. The result is that model then.
     fn by_the_judge_of_run(
         &mut self,
         searched: Vec<Fitted>,
@@ -266,18 +275,11 @@ impl<'s, 'a> Ending<'s, 'a> {
         if n == 0 && (1.0 + for_laws).recip() < SURE {
             return Ok(None);
         }
-        let observer = &self.search.observer;
-        let Some(found) = searched[n].model.with_random_force(&|| observer.stopped()) else {
-            return Ok(None);
-        };
-        if found.verdict != Verdict::Identified {
-            return Ok(None);
-        }
+        let Some(found) = self.without_force(&searched[n]) else { return Ok(None) };
         let before = (self.last.clone(), std::mem::replace(&mut self.path, searched));
         self.keep(n)?;
         self.take_numbers(&found);
-        // Laws beside a constant that the data press against its bound stand for something else.
-        if !vetoed(&self.last).is_empty() || pressed(&self.last, &self.noise) {
+        if self.is_doubted() {
             (self.last, self.path) = before;
             return Ok(None);
         }
@@ -288,19 +290,15 @@ impl<'s, 'a> Ending<'s, 'a> {
         }))
     }
 
-    /// Drops the last forces of time alone, where the judge of `run` takes what they do for noise: a force moves all columns
-    /// as the model is moved, hum is in a sensor. Returns the status of what is left.
+    /// Drops the last forces of time alone, if the model without them needs no force: they are hum in a sensor. Returns the
+    /// status of what is left.
     fn without_hum(&mut self) -> Result<Status, GapError> {
         let effects = &self.last.model.effects;
         let n = effects.iter().rposition(|a| !a.effect.entry.law.is_of_time()).map_or(0, |k| k + 1);
         if n == effects.len() || self.interrupted() {
             return Ok(Status::Explained);
         }
-        let observer = &self.search.observer;
-        let found = self.path[n].model.with_random_force(&|| observer.stopped());
-        let Some(found) = found.filter(|f| f.verdict == Verdict::Identified) else {
-            return Ok(Status::Explained);
-        };
+        let Some(found) = self.without_force(&self.path[n]) else { return Ok(Status::Explained) };
         self.keep(n)?;
         self.take_numbers(&found);
         self.warnings.extend(causes(&self.base, &self.last).into_iter().map(Warning::Cause));
@@ -313,6 +311,22 @@ impl<'s, 'a> Ending<'s, 'a> {
         self.last = with_errors(self.path[n].clone(), &self.noise)?;
         self.path[n] = self.last.clone();
         Ok(())
+    }
+
+    /// Takes another final model, with the errors of its numbers.
+    fn take(&mut self, base: &Fitted, found: Fitted) -> Result<(), GapError> {
+        self.path = path(base, &found, &self.noise);
+        self.last = with_errors(found, &self.noise)?;
+        if !self.last.model.effects.is_empty() {
+            self.path.push(self.last.clone());
+        }
+        Ok(())
+    }
+
+    /// Whether evidence speaks against the final model. Laws beside a constant that the data press against its bound stand
+    /// for something else.
+    fn is_doubted(&self) -> bool {
+        !vetoed(&self.last).is_empty() || pressed(&self.last, &self.noise)
     }
 
     /// Runs the final model with its numbers as they are, where these come from another fit.
@@ -350,11 +364,7 @@ impl<'s, 'a> Ending<'s, 'a> {
             return Ok(None);
         };
         let Redrawn { fitted, base, from, to } = found;
-        self.path = path(&base, &fitted, &self.noise);
-        self.last = with_errors(fitted, &self.noise)?;
-        if !self.last.model.effects.is_empty() {
-            self.path.push(self.last.clone());
-        }
+        self.take(&base, fitted)?;
         self.warnings.push(Warning::Redrawn { from, to });
         Ok(Some(to))
     }
@@ -488,14 +498,13 @@ impl<'s, 'a> Ending<'s, 'a> {
         Ok((status, alternative, determined))
     }
 
-    /// Takes effects that explain the data in the place of those of the search, which went astray, if their numbers are
-    /// determined; returns how many there are.
+    /// Takes these effects, which explain the data, in place of those of the search, unless evidence speaks against them;
+    /// returns how many there are.
     fn instead(&mut self, found: Fitted) -> Result<Option<usize>, GapError> {
         let before = (self.last.clone(), self.path.clone());
-        self.path = path(&self.base, &found, &self.noise);
-        self.last = with_errors(found, &self.noise)?;
-        self.path.push(self.last.clone());
-        if !vetoed(&self.last).is_empty() || pressed(&self.last, &self.noise) {
+        let base = self.base.clone();
+        self.take(&base, found)?;
+        if self.is_doubted() {
             (self.last, self.path) = before;
             return Ok(None);
         }

@@ -9,9 +9,6 @@ use phisindy_phys::spec::{Method, Role};
 use phisindy_phys::{Case, Record};
 use std::ops::{ControlFlow, Range};
 
-/// So many rounds are more than any course was seen to need.
-const BURST_ROUNDS: usize = 50;
-
 /// A stretch of a record between pushes.
 #[derive(Clone)]
 struct Piece {
@@ -149,7 +146,7 @@ impl TrialModel {
 
 /// The stretch whose force is the strongest beside the rest: where the likelihood of two levels is largest, one within and
 /// one without, both normal about zero. Given the levels it is the largest sum of a stretch (J. Bentley, Programming pearls:
-/// algorithm design techniques, 1984); the levels follow from it until it stays.
+/// algorithm design techniques, 1984). The levels follow from it until it stays: the likelihood grows with each round.
 fn burst(course: &[(f64, f64)]) -> Option<Range<usize>> {
     let squares: Vec<f64> = course.iter().map(|(_, force)| force * force).collect();
     let mut sorted = squares.clone();
@@ -158,7 +155,7 @@ fn burst(course: &[(f64, f64)]) -> Option<Range<usize>> {
     let mut without = (*sorted.get(sorted.len() / 2)? / 0.455).max(f64::MIN_POSITIVE);
     let mut within = *sorted.last()?;
     let mut stretch = 0..0;
-    for _ in 0..BURST_ROUNDS {
+    for _ in 0..squares.len() {
         let gains = squares.iter().map(|f| f / without - f / within - (within / without).ln());
         let next = largest_sum(gains);
         if next == stretch || next.len() < 2 || next.len() == squares.len() {
