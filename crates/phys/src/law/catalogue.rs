@@ -155,8 +155,16 @@ mod tests {
         );
         assert_eq!(
             those(Law::is_resistance),
-            ["cubic-damping", "power-law-damping", "quadratic-drag", "viscous"]
+            [
+                "bilinear-damping",
+                "cubic-damping",
+                "digressive-damping",
+                "power-law-damping",
+                "quadratic-drag",
+                "viscous"
+            ]
         );
+        assert_eq!(those(Law::is_of_time), ["harmonic-force"]);
         assert_eq!(those(Law::is_linear_spring), ["stiffness"]);
         assert_eq!(
             those(Law::is_spring),
@@ -165,6 +173,7 @@ mod tests {
                 "cogging",
                 "cubic-stiffness",
                 "dead-zone",
+                "drifting-stiffness",
                 "one-sided-stop",
                 "parametric-stiffness",
                 "quadratic-stiffness",
