@@ -117,6 +117,7 @@ fn the_catalogue_is_what_textbooks_say() {
         [
             "asymmetric-coulomb",
             "coulomb",
+            "digressive-damping",
             "geared-stribeck",
             "load-dependent-friction",
             "power-law-damping",
@@ -131,6 +132,7 @@ fn the_catalogue_is_what_textbooks_say() {
         of(&|law| law.nodes().force.is_some() && law.parity().is_none()),
         [
             "asymmetric-coulomb",
+            "bilinear-damping",
             "bilinear-stiffness",
             "cogging",
             "harmonic-force",
