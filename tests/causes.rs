@@ -1,7 +1,7 @@
 //! Causes that are no force of the motion: numbers that changed, drives that do not do what was recorded, bodies that
 //! the model lacks. Data of `common::slider`, an integrator that is not the program's.
 
-use crate::common::slider::{Dice, Slider, spec};
+use crate::common::slider::{Dice, Slider, spec, spec_from};
 use crate::common::{Scratch, phisindy};
 use serde_json::Value;
 
@@ -90,4 +90,39 @@ fn a_body_that_hangs_on_the_slider_is_found_with_the_drag_between_them() {
     let due: [Due<'_>; 2] =
         [("hanging-body", "v", &[("m", 0.4), ("k", 70.0)]), ("quadratic-drag", "v-w", &[("d", 6.0)])];
     holds(&searched(&drag, "body_drag"), &due);
+}
+
+/// It lets go at one level and slides at another, whatever the speed.
+#[test]
+fn friction_that_holds_more_than_it_rubs_is_found() {
+    let stated = Slider { friction: 0.0, ..STATED }.constants();
+    let folder = Scratch::new("breakaway");
+    let rig = folder.path("rig.ron");
+    for (friction, holds) in [(0.9, 1.6), (0.4, 2.8)] {
+        let slider = Slider { friction, holds, ..STATED };
+        let slow = |t: f64| 0.6 * drive(0.25 * t);
+        std::fs::write(folder.path("run.csv"), slider.record(&slow, &mut Dice(11))).expect("a file");
+        std::fs::write(&rig, spec(&stated, "run.csv")).expect("a file");
+        let out = phisindy(&["gap", &rig, "--format", "json", "--quiet"]);
+        let found = serde_json::from_str(&out.out).unwrap_or_else(|_| panic!("{}", out.err));
+        let due: [Due<'_>; 1] = [("breakaway", "v", &[("Fc", friction), ("Fs", friction + holds)])];
+        self::holds(&found, &due);
+    }
+}
+
+/// A clock that started long before shows the same wear.
+#[test]
+fn friction_that_grows_is_found_by_any_clock() {
+    let worn = Slider { wear: 0.06, ..STATED };
+    let stated = Slider { friction: 0.0, ..STATED }.constants();
+    let folder = Scratch::new("worn");
+    let rig = folder.path("rig.ron");
+    for clock in [0.0, 1000.0] {
+        std::fs::write(folder.path("run.csv"), worn.record_from(clock, &drive, &mut Dice(11)))
+            .expect("a file");
+        std::fs::write(&rig, spec_from(clock, &stated, "run.csv")).expect("a file");
+        let out = phisindy(&["gap", &rig, "--format", "json", "--quiet"]);
+        let found = serde_json::from_str(&out.out).unwrap_or_else(|_| panic!("{}", out.err));
+        holds(&found, &[("drifting-friction", "v", &[("Fc", worn.friction), ("r", worn.wear)])]);
+    }
 }

@@ -36,6 +36,10 @@ pub(crate) struct Slider {
     pub(crate) stiffness: f64,
     pub(crate) damping: f64,
     pub(crate) friction: f64,
+    /// By how much more it holds at rest than it rubs.
+    pub(crate) holds: f64,
+    /// By which part of itself the friction grows in a second.
+    pub(crate) wear: f64,
     /// Half the play of the spring (m).
     pub(crate) play: f64,
     /// Dead band and limit of the drive (N), and its lag (s).
@@ -57,6 +61,8 @@ impl Slider {
             stiffness,
             damping,
             friction,
+            holds: 0.0,
+            wear: 0.0,
             play: 0.0,
             dead: 0.0,
             top,
@@ -84,7 +90,8 @@ impl Slider {
             let hangs = k * (x - y) + c * (v - w) + d * (v - w) * (v - w).abs();
             let reach = (x.abs() - self.play).max(0.0) * x.signum();
             let free = v + h * (beyond - self.stiffness * reach - self.damping * v - hangs) / self.mass;
-            let most = h * self.friction / self.mass;
+            let held = if v == 0.0 { self.holds } else { 0.0 };
+            let most = h * (self.friction * (1.0 + self.wear * step as f64 * h) + held) / self.mass;
             v = free - free.clamp(-most, most);
             w += h * hangs / m;
             x += h * v;
@@ -95,12 +102,18 @@ impl Slider {
 
     /// 9 s of its motion at 200 Hz with 1 % noise: columns `t`, `x`, `F`.
     pub(crate) fn record(&self, drive: &dyn Fn(f64) -> f64, dice: &mut Dice) -> String {
+        self.record_from(0.0, drive, dice)
+    }
+
+    /// The same, by a clock that shows this at the first sample.
+    pub(crate) fn record_from(&self, clock: f64, drive: &dyn Fn(f64) -> f64, dice: &mut Dice) -> String {
         let places = self.places(9.0, drive);
         let size = (places.iter().map(|x| x * x).sum::<f64>() / places.len() as f64).sqrt();
         let mut text = "t,x,F\n".to_owned();
         for (k, x) in places.iter().enumerate() {
             let t = 0.005 * k as f64;
-            let _ = writeln!(text, "{t},{},{}", self.gain * x + 0.01 * size * dice.normal(), drive(t));
+            let _ =
+                writeln!(text, "{},{},{}", clock + t, self.gain * x + 0.01 * size * dice.normal(), drive(t));
         }
         text
     }
@@ -116,6 +129,12 @@ impl Slider {
 
 /// The spec of a slider with these constants: two thirds of a record to fit, one to validate.
 pub(crate) fn spec(constants: &str, data: &str) -> String {
+    spec_from(0.0, constants, data)
+}
+
+/// The same, of a record by a clock that shows this at the first sample.
+pub(crate) fn spec_from(clock: f64, constants: &str, data: &str) -> String {
+    let (fit, end) = (clock + 6.0, clock + 9.0);
     let record = format!(r#"Csv(path: "{data}", time: "t", columns: {{ "x": "x", "F": "F" }}, window: "#);
     format!(
         r#"(
@@ -123,7 +142,7 @@ pub(crate) fn spec(constants: &str, data: &str) -> String {
     states: {{ "x": "m", "v": "m/s" }}, inputs: {{ "F": "N" }},
     known: {{ "x": "v", "v": "(F - k*x - c*v - Fc*sgn(v))/m" }},
     inertia: {{ "v": "m" }}, contacts: ["v"], unknown: {{}},
-    data: [ {record}(0.0, 6.0)), {record}(6.0, 9.0), role: Validate) ],
+    data: [ {record}({clock:?}, {fit:?})), {record}({fit:?}, {end:?}), role: Validate) ],
 )
 "#
     )

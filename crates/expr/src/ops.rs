@@ -3,7 +3,7 @@
 //! these rows.
 //!
 //! Derivatives at a kink are a convention: `d|x| = sgn(x)`, `sgn(0) = 0`, `d sgn = d step = 0`, and so
-//! `1/2` for `pos` and `dead` at their corners. Only `gate` hides the side that it excludes, including NaN,
+//! `1/2` for `pos` and `dead` at their corners, `d rest = 0`. Only `gate` hides the side that it excludes, including NaN,
 //! in its value and in every derivative (`masked` products carry this past infinite slopes). All other
 //! operations require a finite value even of a side with slope 0 (0 times infinity is NaN).
 //!
@@ -169,6 +169,7 @@ unary_table! {
     Abs  "abs"  |x| x.abs();       |g, x, y| g.unary(Unary::Sgn, x); [0.0]; EVEN; false 0 "\\left|#1\\right|" ["abs(#1)", "fabs(#1)", "abs(#1)"] "size of x, also written |x|"
     Sgn  "sgn"  |x| sign(x);       |g, x, y| g.constant(0.0); [0.0]; ODD; false 0 "\\operatorname{sgn}(#1)" ["sgn(#1)", "sgn(#1)", "sgn(#1)"] "-1, 0 or 1 with the sign of x"
     Step "step" |x| 0.5 + 0.5 * sign(x); |g, x, y| g.constant(0.0); [0.0]; None; false 2 "\\operatorname{step}(#1)" ["step(#1)", "step(#1)", "step(#1)"] "(1 + sgn x)/2: 0 before zero, 1 after"
+    Rest "rest" |x| at_rest(x);    |g, x, y| g.constant(0.0); [0.0]; EVEN; false 0 "\\operatorname{rest}(#1)" ["rest(#1)", "rest(#1)", "rest(#1)"] "1 while x is zero, as the speed of a contact that sticks, else 0"
     Pos  "pos"  |x| if x <= 0.0 { 0.0 } else { x }; |g, x, y| g.unary(Unary::Step, x); [0.0]; None; false 0 "\\operatorname{pos}(#1)" ["pos(#1)", "pos(#1)", "pos(#1)"] "max(x, 0)"
     Ln   "ln"   |x| elementary::ln(x);        |g, x, y| { let one = g.constant(1.0); g.binary(Binary::Div, one, x) }; []; None; true 32 "\\ln(#1)" ["ln(#1)", "log(#1)", "log(#1)"] "natural logarithm"
     Exp  "exp"  |x| elementary::exp(x);       |g, x, y| y; []; None; true 39 "\\exp(#1)" ["exp(#1)", "exp(#1)", "exp(#1)"] "exponential"
@@ -220,6 +221,12 @@ pub fn sign(x: f64) -> f64 {
     } else {
         x * 0.0
     }
+}
+
+/// 1 at zero, else 0; NaN stays NaN.
+#[inline(always)]
+fn at_rest(x: f64) -> f64 {
+    if x.is_nan() { x } else { f64::from(u8::from(x == 0.0)) }
 }
 
 /// Integer powers by repeated multiplication (exact for any base), all others by the library.

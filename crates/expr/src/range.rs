@@ -48,6 +48,7 @@ fn of_function(op: Unary, (low, high): Range) -> Range {
         Unary::Abs if high <= 0.0 => (-high, -low),
         Unary::Abs => (0.0, high.max(-low)),
         Unary::Sin | Unary::Cos => (-1.0, 1.0),
+        Unary::Rest => (0.0, 1.0),
         Unary::Sgn | Unary::Step | Unary::Pos | Unary::Tanh | Unary::Atan | Unary::Floor => {
             (value(low), value(high))
         }

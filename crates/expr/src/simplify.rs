@@ -61,9 +61,10 @@ fn unary(g: &mut Graph, op: Unary, a: Id) -> Option<Id> {
             let minus = g.neg(c);
             Some(g.mul(minus, b))
         }
-        (Unary::Abs, Node::Unary(Unary::Abs | Unary::Exp | Unary::Sqrt | Unary::Pos | Unary::Step, _)) => {
-            Some(a)
-        }
+        (
+            Unary::Abs,
+            Node::Unary(Unary::Abs | Unary::Exp | Unary::Sqrt | Unary::Pos | Unary::Step | Unary::Rest, _),
+        ) => Some(a),
         (Unary::Sgn, Node::Unary(Unary::Sgn, _)) => Some(a),
         (_, Node::Unary(Unary::Neg, b)) => {
             let parity = op.row().parity?;

@@ -263,7 +263,7 @@ fn every_function_is_found_by_its_name() {
         let arity = function(name).map(Function::arity);
         assert!(matches!(arity, Some(1 | 2)), "{name}");
     }
-    assert_eq!(function_names().count(), 13 + 6);
+    assert_eq!(function_names().count(), 14 + 6);
     for hidden in ["", "gate", "timing", "+", "neg"] {
         assert_eq!(function(hidden), None, "{hidden}");
     }

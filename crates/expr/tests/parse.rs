@@ -190,7 +190,7 @@ fn messages_say_what_to_do() {
     check_message(
         "hypot(x)",
         "unknown function `hypot`",
-        "functions: abs, sgn, step, pos, ln, exp, sqrt, sin, cos, tan, tanh, atan, floor, min, max, dead, mod, atan2, hold",
+        "functions: abs, sgn, step, rest, pos, ln, exp, sqrt, sin, cos, tan, tanh, atan, floor, min, max, dead, mod, atan2, hold",
     );
     check_message("sgn", "`sgn` is a function and needs its arguments", "write `sgn(...)`");
     check_message("max(x)", "`max` takes 2 arguments, not 1", "write `max(a, b)`");

@@ -75,12 +75,14 @@ pub(crate) fn minimise(
     limits: Limits,
     evaluate: impl FnMut(&[f64], f64) -> Option<Normal>,
 ) -> Option<Normal> {
-    minimise_by(None, values, bounds, limits, evaluate)
+    minimise_by(None, |_, _| (), values, bounds, limits, evaluate)
 }
 
-/// As [`minimise`], with steps damped by these curvatures in the place of the diagonal of `J^T J`.
+/// As [`minimise`], with steps damped by these curvatures in the place of the diagonal of `J^T J`. `correct` may change the
+/// end of a step, its second argument.
 pub(crate) fn minimise_by(
     metric: Option<&[f64]>,
+    correct: impl Fn(&[f64], &mut [f64]),
     values: &mut [f64],
     bounds: &[(f64, f64)],
     limits: Limits,
@@ -107,8 +109,9 @@ pub(crate) fn minimise_by(
                 damping *= DAMPING_RISE;
                 continue;
             };
-            let trial: Vec<f64> =
+            let mut trial: Vec<f64> =
                 (0..n).map(|k| (values[k] + step[k]).clamp(bounds[k].0, bounds[k].1)).collect();
+            correct(values, &mut trial);
             if trial.iter().zip(values.iter()).all(|(a, b)| a == b) {
                 break;
             }

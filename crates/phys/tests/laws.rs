@@ -116,6 +116,7 @@ fn the_catalogue_is_what_textbooks_say() {
         of(&|law| law.dissipates() == Some(true)),
         [
             "asymmetric-coulomb",
+            "breakaway",
             "coulomb",
             "digressive-damping",
             "geared-stribeck",

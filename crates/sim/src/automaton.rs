@@ -50,6 +50,8 @@ pub struct Automaton {
     pub(crate) output: Tape,
     /// Derivatives, for sensitivities: see [`crate::sensitivity`].
     pub(crate) jacobian: Jacobian,
+    /// Whether rates may jump as a contact lets go: some `rest(w)` stands in them.
+    pub breaks_away: bool,
 }
 
 impl Automaton {
@@ -118,10 +120,11 @@ impl Automaton {
             outputs,
             output_drifts,
             surface_drifts,
+            breaks_away,
             ..
         } = &mut switched;
         let mut read: Vec<Id> = outputs.iter().chain(output_drifts.iter()).copied().collect();
-        if !outputs.is_empty() {
+        if !outputs.is_empty() || *breaks_away {
             for wrt in [&model.states, &*modes, &model.parameters] {
                 outputs.iter().for_each(|&y| read.extend(graph.gradient(y, wrt)));
             }
@@ -148,6 +151,7 @@ impl Automaton {
             rest: Tape::compile(graph, &inputs, &rest)?,
             output: Tape::compile(graph, &inputs, &read)?,
             jacobian,
+            breaks_away: *breaks_away,
         })
     }
 

@@ -344,6 +344,11 @@ impl Columns {
         }
     }
 
+    /// A state that nothing moves.
+    pub(crate) fn rest(&mut self, i: usize) {
+        self.s[i * self.width..][..self.count].fill(0.0);
+    }
+
     /// Adds to each row its own number of `by` times those of all columns.
     pub(crate) fn jump(&mut self, by: &[f64], times: &[f64]) {
         for (i, by) in by.iter().enumerate().filter(|(_, by)| **by != 0.0) {

@@ -6,7 +6,7 @@
 //! The rates are linear in the mode on the surface, so the contact sticks exactly if the mode that keeps it
 //! at rest lies within [-1, 1].
 
-use crate::decisions::{DETACHED, MARGIN, STICK_SLACK};
+use crate::decisions::{DETACHED, MARGIN, ON_SURFACE, STICK_SLACK};
 use crate::field::Field;
 
 impl Field<'_> {
@@ -27,8 +27,9 @@ impl Field<'_> {
             if c >= self.frictions() {
                 continue;
             }
+            // A difference of two equal speeds may be off by rounding.
             match self.w(c) {
-                0.0 => on.push(c),
+                w if w.abs() <= ON_SURFACE * self.scale[c] => on.push(c),
                 w => self.modes[c] = w.signum(),
             }
         }

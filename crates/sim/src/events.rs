@@ -287,14 +287,64 @@ impl Run<'_> {
         }
     }
 
+    /// Releases a contact whose friction falls as it lets go: the rates jump at the instant at which its load, the size of its
+    /// mode, reaches 1.
+    fn break_away(&mut self, c: usize) {
+        let n = self.x.len();
+        let (old, shown) = (self.rates.clone(), self.shown());
+        let moves = self.sensitivity.as_ref().map(|s| {
+            let by = self.field.mode_derivatives(c, (self.t, &self.x), &old[..n], &s.free);
+            let (rate, by) = by.split_first().map_or((0.0, &[][..]), |(rate, by)| (*rate, by));
+            let (by_state, by_parameter) = by.split_at(by.len().min(n));
+            s.time_of_event(by_state, by_parameter, rate)
+        });
+        self.field.release(c, self.t, &self.x);
+        self.field.rates(self.t, &self.x, &mut self.rates);
+        let moves = moves.unwrap_or_default();
+        if let Some(s) = &mut self.sensitivity {
+            s.jump(&moves, &old[..n], &self.rates[..n]);
+        }
+        self.note_jump(&shown, moves);
+    }
+
+    /// A contact that holds at the start would stop one that begins a little faster, at once: the derivatives are those after
+    /// that stop.
+    pub(crate) fn begin_at_rest(&mut self) {
+        let n = self.x.len();
+        let mut slipping = self.rates.clone();
+        for c in (0..self.field.frictions()).filter(|&c| self.field.stuck[c]).collect::<Vec<_>>() {
+            let Some(sensitivity) = &mut self.sensitivity else { return };
+            let by_parameter = sensitivity.by_parameter(&mut self.field, c, self.t, &self.x);
+            let held = self.field.modes[c];
+            (self.field.stuck[c], self.field.modes[c]) = (false, 1.0);
+            self.field.rates(self.t, &self.x, &mut slipping);
+            self.field.stuck_surfaces(self.t, &self.x);
+            let normal: Vec<f64> = (0..n).map(|j| self.field.normal(c, j)).collect();
+            let moves = sensitivity.time_of_event(&normal, &by_parameter, self.field.w_rate(c));
+            (self.field.stuck[c], self.field.modes[c]) = (true, held);
+            self.field.rates(self.t, &self.x, &mut self.rates);
+            sensitivity.jump(&moves, &slipping[..n], &self.rates[..n]);
+            let mut moving = (0..n).filter(|&j| normal[j] != 0.0);
+            if let (Some(j), None, true) =
+                (moving.next(), moving.next(), by_parameter.iter().all(|p| *p == 0.0))
+            {
+                sensitivity.rest(j);
+            }
+        }
+    }
+
     fn change(&mut self, c: usize) {
         let n = self.x.len();
         let before = self.field.signs();
         if self.field.stuck[c] {
-            self.field.release(c, self.t, &self.x);
-            self.field.rates(self.t, &self.x, &mut self.rates);
-            if let Some(s) = &mut self.sensitivity {
-                s.restart();
+            if self.field.automaton.breaks_away {
+                self.break_away(c);
+            } else {
+                self.field.release(c, self.t, &self.x);
+                self.field.rates(self.t, &self.x, &mut self.rates);
+                if let Some(s) = &mut self.sensitivity {
+                    s.restart();
+                }
             }
         } else {
             let by_parameter =

@@ -53,7 +53,7 @@ pub use decisions::decisions;
 pub use excitation::{ExcitationError, Multisine};
 pub use noise::{Noise, Streams, add_noise};
 pub use observer::{Observer, Shown};
-pub use run::{observe, simulate};
+pub use run::{at_rest, observe, simulate};
 pub use stop::Stop;
 pub use switched::{Switch, Switched};
 pub use synthetic::{SyntheticError, synthesize};

@@ -83,6 +83,26 @@ impl Field<'_> {
         out
     }
 
+    /// Of a contact that sticks, how its mode changes with time along `rates`, with each state and with each of the parameters
+    /// `free`.
+    pub(crate) fn mode_derivatives(
+        &mut self,
+        c: usize,
+        (t, x): (f64, &[f64]),
+        rates: &[f64],
+        free: &[usize],
+    ) -> Vec<f64> {
+        let set = self.evaluate_outputs(t, x);
+        let right = |f: &Field<'_>, c: usize| -> Vec<f64> {
+            let states: Vec<f64> = (0..x.len()).map(|j| f.rate_by_state(c, j)).collect();
+            let along: f64 = states.iter().zip(rates).map(|(a, rate)| a * rate).sum();
+            let parameters = free.iter().map(|&p| f.rate_by_parameter(c, p));
+            [f.rate_by_time(c) + along].into_iter().chain(states).chain(parameters).collect()
+        };
+        let changes = self.mode_changes(&set, 1 + x.len() + free.len(), right);
+        set.into_iter().zip(changes).find(|(k, _)| *k == c).map_or(vec![], |(_, changes)| changes)
+    }
+
     /// How the modes of the sticking contacts `set` change when their `dw/dt` change by `right`.
     fn mode_changes(
         &self,

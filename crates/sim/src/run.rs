@@ -1,8 +1,11 @@
 //! The simulation: adaptive steps from event to event, and the samples within them.
 
 use crate::automaton::Automaton;
-use crate::decisions::{NEWTON_SHORTENING, SHORTEST_STEP, STEP_GROWTH, STEP_REDUCTION, STEP_REMAINDER};
+use crate::decisions::{
+    NEWTON_SHORTENING, ON_SURFACE, SHORTEST_STEP, STEP_GROWTH, STEP_REDUCTION, STEP_REMAINDER,
+};
 use crate::events::Search;
+use crate::field::Field;
 use crate::observer::Observer;
 use crate::state::Run;
 use crate::step::Method;
@@ -83,6 +86,35 @@ pub fn observe(
     finished(run)
 }
 
+/// The speed of a contact at a state of this `scale`, 0 within rounding, and the nearest state at which it rests.
+///
+/// ```
+/// use phisindy_phys::Model;
+/// use phisindy_sim::{Automaton, Drive, at_rest};
+/// let model = Model::build(&["x", "v"], &[], &["mu"], &["v", "-x - mu*sgn(v)"]).unwrap();
+/// let (automaton, drive) = (Automaton::new(&model).unwrap(), Drive { inputs: &[], parameters: &[0.3] });
+/// assert_eq!(at_rest(&automaton, &drive, (0.0, &[0.2, 0.01]), 0, &[1.0, 1.0]), (0.01, vec![0.2, 0.0]));
+/// ```
+///
+/// # Panics
+/// The model has no such contact.
+pub fn at_rest(
+    automaton: &Automaton,
+    drive: &Drive<'_>,
+    (time, x): (f64, &[f64]),
+    contact: usize,
+    scale: &[f64],
+) -> (f64, Vec<f64>) {
+    let mut still: Vec<f64> = x.iter().copied().chain(std::iter::repeat(0.0)).take(automaton.width).collect();
+    let mut field = Field::new(automaton, drive, time, Options::default().tolerance);
+    field.surfaces(0.0, &still);
+    let speed = field.w(contact);
+    let size: f64 = scale.iter().enumerate().map(|(j, s)| (field.normal(contact, j) * s).abs()).sum();
+    field.project(contact, &mut still);
+    still.truncate(x.len());
+    (if speed.abs() > ON_SURFACE * size { speed } else { 0.0 }, still)
+}
+
 /// Runs to the last sample.
 fn finished(mut run: Run<'_>) -> Result<Trajectory, SimError> {
     run.begin();
@@ -102,6 +134,7 @@ impl Run<'_> {
         self.begin_holding();
         self.field.begin(self.t, &self.x, &self.scale);
         self.field.rates(self.t, &self.x, &mut self.rates);
+        self.begin_at_rest();
         self.begin_gaps();
         self.here.evaluate(&mut self.field, self.t, &self.x);
         self.h = self.first_step();

@@ -215,6 +215,11 @@ impl Sensitivity {
         self.columns.iter_mut().for_each(|columns| columns.jump(&by, times));
     }
 
+    /// A state that nothing moves: what rounding leaves of its derivatives is none.
+    pub(crate) fn rest(&mut self, state: usize) {
+        self.columns.iter_mut().for_each(|columns| columns.rest(state));
+    }
+
     /// The column of a parameter, if it is free.
     pub(crate) fn column(&self, parameter: usize) -> Option<usize> {
         self.places.place(parameter).map(|place| self.starts + place)

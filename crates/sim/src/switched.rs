@@ -62,6 +62,8 @@ pub struct Switched {
     pub output_drifts: Vec<Id>,
     /// The same of `dw/dt`, apart from what changes the slope of an input.
     pub surface_drifts: Vec<Id>,
+    /// Whether rates may jump as a contact lets go: some `rest(w)` stands in them.
+    pub breaks_away: bool,
 }
 
 /// Symbols of one kind. No name of a spec contains a space.
@@ -111,7 +113,7 @@ impl Switched {
         let floors = fresh(&mut graph, &mut names, "floor", surfaces.len());
         let margins = fresh(&mut graph, &mut names, "margin", surfaces.len());
         let sizes = sizes(&mut graph, &surfaces[..frictions], &sides, &floors, &margins);
-        let with = replacements(&mut graph, &surfaces[..frictions], &modes, &sizes);
+        let with = replacements(&mut graph, (&surfaces[..frictions], &sizes), &modes, &sides);
         let rates = with_reactions(&mut graph, &model.rates, &model.impacts);
         let rates = graph.replace(&rates, &with);
         let outputs = graph.replace(&model.outputs, &with);
@@ -129,7 +131,8 @@ impl Switched {
         let mut drifts =
             |of: &[Id]| -> Vec<Id> { of.iter().map(|&f| drift(&mut graph, f, &given, &moves)).collect() };
         let output_drifts = drifts(&outputs);
-        let surface_drifts = if outputs.is_empty() { vec![] } else { drifts(&surface_rates) };
+        let breaks_away = breaks_away(model);
+        let surface_drifts = if outputs.is_empty() && !breaks_away { vec![] } else { drifts(&surface_rates) };
         let influence: Vec<Id> = surface_rates.iter().flat_map(|&r| graph.gradient(r, &modes)).collect();
 
         let switches = (0..surfaces.len()).map(|k| {
@@ -162,8 +165,16 @@ impl Switched {
             outputs,
             output_drifts,
             surface_drifts,
+            breaks_away,
         }
     }
+}
+
+/// Whether friction differs at rest from what it is in motion: the rates jump as a contact lets go.
+fn breaks_away(model: &Model) -> bool {
+    let roots: Vec<Id> = model.rates.iter().chain(&model.outputs).copied().collect();
+    let rest = |id: Id| matches!(model.graph.node(id), Node::Unary(Unary::Rest, _));
+    model.graph.reachable(&roots).into_iter().any(rest)
 }
 
 /// Arguments of all signs and steps in the rates and outputs that can change during a run. An argument and
@@ -175,7 +186,7 @@ fn surfaces(graph: &mut Graph, model: &Model) -> Vec<Id> {
     let mut surfaces: Vec<Id> = Vec::new();
     let roots: Vec<Id> = model.rates.iter().chain(&model.outputs).copied().collect();
     for id in graph.reachable(&roots) {
-        if let Node::Unary(Unary::Sgn | Unary::Step, w) = graph.node(id) {
+        if let Node::Unary(Unary::Sgn | Unary::Step | Unary::Rest, w) = graph.node(id) {
             let minus = graph.neg(w);
             if !surfaces.contains(&w) && !surfaces.contains(&minus) && graph.uses(&[w], &moving) {
                 surfaces.push(w);
@@ -197,18 +208,32 @@ fn sizes(graph: &mut Graph, surfaces: &[Id], sides: &[Id], floors: &[Id], margin
     (0..surfaces.len()).map(&mut size).collect()
 }
 
-/// The replacements `sgn w -> s`, `|w| ->` its size, `step w -> (1 + s)/2`, `pos w -> w (1 + s)/2`, and the
-/// same for `-w` with `-s`.
-fn replacements(graph: &mut Graph, surfaces: &[Id], modes: &[Id], sizes: &[Id]) -> HashMap<Id, Id> {
+/// The replacements `sgn w -> s`, `|w| ->` its size, `step w -> (1 + s)/2`, `pos w -> w (1 + s)/2`, `rest w -> 1 - e^2`,
+/// and the same for `-w` with `-s`.
+fn replacements(
+    graph: &mut Graph,
+    (surfaces, sizes): (&[Id], &[Id]),
+    modes: &[Id],
+    sides: &[Id],
+) -> HashMap<Id, Id> {
     let mut with = HashMap::new();
-    let half = graph.constant(0.5);
-    for ((&w, &s), &size) in surfaces.iter().zip(modes).zip(sizes) {
+    let (half, one) = (graph.constant(0.5), graph.constant(1.0));
+    for (k, &w) in surfaces.iter().enumerate() {
+        let (s, size) = (modes[k], sizes[k]);
+        let slips = graph.mul(sides[k], sides[k]);
+        let rest = graph.sub(one, slips);
         let (minus_w, minus_s) = (graph.neg(w), graph.neg(s));
         for (w, s) in [(w, s), (minus_w, minus_s)] {
             let part = graph.mul(half, s);
             let step = graph.binary(Binary::Add, half, part);
             let pos = graph.mul(step, w);
-            for (op, new) in [(Unary::Sgn, s), (Unary::Abs, size), (Unary::Step, step), (Unary::Pos, pos)] {
+            for (op, new) in [
+                (Unary::Sgn, s),
+                (Unary::Abs, size),
+                (Unary::Step, step),
+                (Unary::Pos, pos),
+                (Unary::Rest, rest),
+            ] {
                 let old = graph.unary(op, w);
                 with.insert(old, new);
             }
@@ -217,7 +242,8 @@ fn replacements(graph: &mut Graph, surfaces: &[Id], modes: &[Id], sizes: &[Id]) 
     // The graph moves a minus in front of a sign when it builds the node. -sgn(w) must be no key, or every
     // minus would disappear.
     with.retain(|&old, _| {
-        matches!(graph.node(old), Node::Unary(Unary::Sgn | Unary::Abs | Unary::Step | Unary::Pos, _))
+        let of = [Unary::Sgn, Unary::Abs, Unary::Step, Unary::Pos, Unary::Rest];
+        matches!(graph.node(old), Node::Unary(op, _) if of.contains(&op))
     });
     with
 }

@@ -55,6 +55,29 @@ fn block_on_a_table_with_quadratic_drag() {
     assert_eq!(run.events.len(), 1);
 }
 
+/// A block on a belt, held by `Fs` and rubbed by `Fk` (R. A. Ibrahim 1994): it sticks for `2 (Fs - Fk)/(k vb)`, then slips along a
+/// circle about `Fk/k`.
+#[test]
+fn a_block_that_breaks_away_sticks_and_slips_by_the_book() {
+    let (fs, fk, vb) = (1.0, 0.6, 0.5);
+    let states = [("x", 0.0, "v"), ("v", vb, "-x - (Fk + (Fs - Fk)*rest(v - vb))*sgn(v - vb)")];
+    let case = Case::new(&states, &[("Fs", fs), ("Fk", fk), ("vb", vb)]);
+    let run = case.run(&[1.0, 60.0]);
+    // It lets go where the spring takes Fs, for the first time after Fs/vb.
+    let (first, stick) = (fs / vb, 2.0 * (fs - fk) / vb);
+    // The speed is vb at both ends of the slip.
+    let slip = 2.0 * (PI - ((fs - fk) / vb).atan());
+    let ends = (0..).flat_map(|k| {
+        let start = first + f64::from(k) * (slip + stick);
+        [start, start + slip]
+    });
+    assert!(run.events.len() > 15, "{:?}", run.events);
+    for (event, due) in run.events.iter().zip(ends) {
+        assert_abs_diff_eq!(event.time, due, epsilon = 1e-8);
+    }
+    assert_abs_diff_eq!(run.states[0], vb, epsilon = 1e-12);
+}
+
 /// With Fs = Fd the slip touches the belt speed once a period and goes on: a circle about x = F/k.
 #[test]
 fn coulomb_on_a_belt_ends_on_the_circle_that_grazes_the_belt_speed() {

@@ -74,7 +74,8 @@ fn the_default_tolerance_resolves_the_events() {
         for column in 0..run.m {
             let of = |s: &[f64]| -> Vec<f64> { s.iter().skip(column).step_by(run.m).copied().collect() };
             let (got, want) = (of(&run.sensitivities), of(&exact.sensitivities));
-            let error = rms(&off(&got, &want)) / rms(&want);
+            // Nothing hangs on the speed of a mass that starts at rest and is held.
+            let error = rms(&off(&got, &want)) / rms(&want).max(f64::MIN_POSITIVE);
             assert!(error < derivatives, "derivative {column}: {error:e}");
         }
     }

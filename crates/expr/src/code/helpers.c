@@ -1,6 +1,7 @@
 /* -1, 0 or 1 with the sign of x. */
 static inline double sgn(double x) { return x > 0.0 ? 1.0 : x < 0.0 ? -1.0 : x*0.0; }
 static inline double step(double x) { return 0.5 + 0.5*sgn(x); }
+static inline double rest(double x) { return x == 0.0 ? 1.0 : x != x ? x : 0.0; }
 static inline double pos(double x) { return x <= 0.0 ? 0.0 : x; }
 static inline double smaller(double a, double b) { return a < b || a != a ? a : b; }
 static inline double larger(double a, double b) { return a > b || a != a ? a : b; }

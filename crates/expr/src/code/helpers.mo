@@ -12,6 +12,13 @@
     y := if x > 0 then 1.0 elseif x < 0 then 0.0 else 0.5;
   end step;
 
+  function rest
+    input Real x;
+    output Real y;
+  algorithm
+    y := if x > 0 or x < 0 then 0.0 else 1.0;
+  end rest;
+
   function pos
     input Real x;
     output Real y;

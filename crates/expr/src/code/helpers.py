@@ -7,6 +7,10 @@ def step(x):
     return 0.5 + 0.5*sgn(x)
 
 
+def rest(x):
+    return 1.0 if x == 0.0 else x if x != x else 0.0
+
+
 def pos(x):
     return 0.0 if x <= 0.0 else x
 

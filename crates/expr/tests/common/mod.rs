@@ -142,7 +142,7 @@ pub fn dual_unary<D: num_dual::DualNum<Primitive = f64> + Copy>(op: Unary, x: D)
         Unary::Tan => x.tan(),
         Unary::Tanh => x.tanh(),
         Unary::Atan => x.atan(),
-        Unary::Step | Unary::Pos | Unary::Floor => return None,
+        Unary::Step | Unary::Rest | Unary::Pos | Unary::Floor => return None,
     })
 }
 

@@ -327,6 +327,10 @@ fn replacements(applied: &Applied) -> Vec<(String, String)> {
         with.extend(of(LawRole::Displacement, displacement.as_ref()));
         with.extend(of(LawRole::Velocity, Some(velocity)));
     }
+    if applied.counts_from != 0.0 {
+        let sign = if applied.counts_from > 0.0 { '-' } else { '+' };
+        with.push(("t".to_owned(), format!("(t {sign} {:?})", applied.counts_from.abs())));
+    }
     if let Site::Input(_) = applied.effect.place.site {
         with.push((INPUT.to_owned(), applied.effect.place.at.clone()));
     }

@@ -26,6 +26,8 @@ pub struct Applied {
     pub internal: Vec<String>,
     /// The subtracted force, a node of the system's graph; `None` for an effect on sensors.
     pub force: Option<phisindy_expr::Id>,
+    /// The time from which the law counts.
+    pub counts_from: f64,
 }
 
 /// What all models of one search share.
@@ -69,7 +71,14 @@ impl TrialModel {
         let smooth: Vec<Record> =
             records.par_iter().map(|r| phisindy_learn::smoothed(&case.system, r)).collect();
         let records = phisindy_learn::sized(&case.system, &records, &smooth);
-        TrialModel::of(spec, case, records, smooth)
+        let first = records.iter().filter_map(|r| r.time.first().copied()).reduce(f64::min);
+        TrialModel::of(spec, case, records, smooth).counting_from(first.unwrap_or(0.0))
+    }
+
+    /// The same model, whose laws count time from here.
+    fn counting_from(mut self, start: f64) -> TrialModel {
+        self.system.counts_from = start;
+        self
     }
 
     /// The same model, whose fits end as this says.
@@ -123,7 +132,7 @@ impl TrialModel {
         Some(TrialModel {
             missed: base.missed,
             stop: base.stop,
-            ..TrialModel::of(spec, case, records, smooth)
+            ..TrialModel::of(spec, case, records, smooth).counting_from(base.system.counts_from)
         })
     }
 
@@ -131,6 +140,12 @@ impl TrialModel {
     pub(crate) fn for_records(&self, records: Vec<Record>) -> TrialModel {
         let smooth = records.iter().map(|r| phisindy_learn::smoothed(&self.system, r)).collect();
         TrialModel { records: Arc::new(records), smooth: Arc::new(smooth), ..self.clone() }
+    }
+
+    /// An effect of this model, before its force is known.
+    fn applied(&self, effect: &Effect, names: Vec<String>, parameters: Vec<usize>) -> Applied {
+        let counts_from = self.system.counts_from;
+        Applied { effect: effect.clone(), names, parameters, internal: vec![], force: None, counts_from }
     }
 
     /// This model with one more effect.
@@ -160,8 +175,7 @@ impl TrialModel {
             let start = start.clamp(p.within.0, p.within.1);
             parameters.push(out.system.add_parameter(name, &unit, start, p.within, p.each));
         }
-        let mut applied =
-            Applied { effect: effect.clone(), names, parameters, internal: vec![], force: None };
+        let mut applied = out.applied(effect, names, parameters);
         match &effect.place.site {
             Site::Sensor(columns) => {
                 let columns = columns.iter().filter_map(|name| out.system.column(name)).collect();
@@ -262,7 +276,8 @@ impl TrialModel {
                 .filter(|&k| out.system.parameters[k].name == e.place.at)
                 .collect();
             let names = vec![e.place.at.clone()];
-            out.effects.push(Applied { effect: e.clone(), names, parameters, internal: vec![], force: None });
+            let applied = out.applied(e, names, parameters);
+            out.effects.push(applied);
         }
         out.base = Some(Arc::new(base));
         Ok(out)
@@ -594,7 +609,7 @@ mod tests {
                    Csv(path: "b.csv", time: "t", columns: { "x1": "x1", "x2": "x2", "u": "u", "du": "du" }, constants: { "N": (4.0, "N") })])"#;
         let (spec, _) = spec::read(text, SourceId(0)).expect("a spec");
         let (case, _) = check_names(&spec, SourceId(0)).expect("a case");
-        let base = TrialModel::base(spec, case, vec![]);
+        let base = TrialModel::base(spec, case, vec![]).counting_from(-2.5);
         let mut compared = 0;
         for (id, law) in phisindy_phys::BUILT_IN {
             let entry = LawEntry::read(id, law).expect("a law");

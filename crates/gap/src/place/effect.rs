@@ -63,7 +63,8 @@ impl std::error::Error for EffectError {}
 pub(crate) fn bindings(effect: &Effect, system: &mut System) -> Result<HashMap<Id, Id>, EffectError> {
     let law = &effect.entry.law;
     let of = law.nodes();
-    let mut with = HashMap::from([(of.time, system.time)]);
+    let start = system.graph.constant(system.counts_from);
+    let mut with = HashMap::from([(of.time, system.graph.sub(system.time, start))]);
     if let Site::Force { displacement, velocity, .. } = &effect.place.site {
         with.extend(of.displacement.zip(displacement.as_ref()).map(|(x, place)| (x, place.node)));
         with.extend(of.velocity.map(|v| (v, velocity.node)));

@@ -245,7 +245,9 @@ impl<'a> Stage<'a> {
             problem.tolerance = rough_tolerance(&problem, noise);
         }
         let mut x = problem.guess(&[], None, starts);
-        if let Some(begun) = setup.begun.filter(|begun| pieces == STAGES[0] && begun.x.len() == x.len()) {
+        // A few steps do not tell a body that breaks away when it does.
+        let begun = setup.begun.filter(|_| !problem.automaton.breaks_away);
+        if let Some(begun) = begun.filter(|begun| pieces == STAGES[0] && begun.x.len() == x.len()) {
             // The next stage needs a start, not the minimum of this one.
             let cost = begun.cost * samples as f64;
             return Ok(Stage { problem, x: begun.x.clone(), cost, hopeless: false });
@@ -274,7 +276,19 @@ impl<'a> Stage<'a> {
             (false, _) => Limits::of(SEGMENTS_MINIMUM),
         };
         let limits = Limits { hopeless: if hopeless { 0.0 } else { limits.hopeless }, ..limits };
-        let cost = problem.minimise(&mut x, &weights, limits)?.cost;
+        let mut cost = problem.minimise(&mut x, &weights, limits)?.cost;
+        // With other numbers a body rests that broke away before.
+        for _ in 0..RESTARTS {
+            let mut other = x.clone();
+            if !problem.start_nearer(&mut other, starts) {
+                break;
+            }
+            let end = problem.minimise(&mut other, &weights, limits)?.cost;
+            if end >= cost {
+                break;
+            }
+            (cost, x) = (end, other);
+        }
         Ok(Stage { problem, x, cost, hopeless })
     }
 }

@@ -104,7 +104,8 @@ impl Problem<'_> {
             false => None,
         };
         let metric: Option<Vec<f64>> = metric.map(|m| (0..x.len()).map(|k| m[(k, k)]).collect());
-        let end = minimise_by(metric.as_deref(), x, bounds, limits, |x, ceiling| {
+        let correct = |from: &[f64], to: &mut [f64]| self.stop_at_rest(from, to);
+        let end = minimise_by(metric.as_deref(), correct, x, bounds, limits, |x, ceiling| {
             if std::mem::replace(&mut begun, true) && self.stop.requested() {
                 return None;
             }

@@ -300,7 +300,7 @@ fn without_signs(graph: &mut Graph, roots: &[Id]) -> Vec<Id> {
     let mut with = HashMap::new();
     for id in graph.reachable(roots) {
         match graph.node(id) {
-            Node::Unary(Unary::Sgn, _) => with.insert(id, graph.constant(0.0)),
+            Node::Unary(Unary::Sgn | Unary::Rest, _) => with.insert(id, graph.constant(0.0)),
             Node::Unary(Unary::Step, _) => with.insert(id, graph.constant(0.5)),
             _ => None,
         };

@@ -11,7 +11,9 @@ use crate::trajectory::layout::{CLOCK, DELAY, Layout, Segment, Source};
 use crate::trajectory::noise::{ColumnNoise, least_noise_of};
 use phisindy_phys::{Record, Sensor, System};
 use phisindy_signal::{Signal, mean_step};
-use phisindy_sim::{Automaton, Drive, Observer, Options, SimError, Stop, Trajectory, observe, simulate};
+use phisindy_sim::{
+    Automaton, Drive, Observer, Options, SimError, Stop, Trajectory, at_rest, observe, simulate,
+};
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -180,6 +182,12 @@ impl<'a> Problem<'a> {
         filled: &[Record],
     ) -> Vec<f64> {
         let mut x = self.numbers(coefficients, parameters);
+        self.start_on(&mut x, filled);
+        x
+    }
+
+    /// Starts the segments where the columns say.
+    pub(crate) fn start_on(&self, x: &mut [f64], filled: &[Record]) {
         for segment in &self.segments {
             let record = &filled[segment.record];
             for state in 0..self.system.states.len() {
@@ -188,8 +196,8 @@ impl<'a> Problem<'a> {
                 x[segment.start + state] = stated.or(value).unwrap_or(0.0);
             }
         }
-        self.leave_singularities(&mut x, filled);
-        x
+        self.leave_singularities(x, filled);
+        self.stand_still(x);
     }
 
     /// Coefficients and parameters as given, or where the spec starts them; start states are 0.
@@ -293,6 +301,17 @@ impl<'a> Problem<'a> {
         options: &Options,
     ) -> Result<Trajectory, SimError> {
         self.observed(record, x, start, times, options, None)
+    }
+
+    /// The speed of a contact at the start of a segment, and the start state with the contact at rest.
+    pub(crate) fn at_rest(&self, segment: &Segment, x: &[f64], contact: usize) -> (f64, Vec<f64>) {
+        let record = segment.record;
+        let parameters: Vec<f64> = self.sources(record).map(|s| Self::value(s, x)).collect();
+        let inputs = self.input_sensors.signals(self.records[record], record, &self.input_clocks(record, x));
+        let drive = Drive { inputs: &inputs, parameters: &parameters };
+        let start = &x[segment.start..segment.start + self.system.states.len()];
+        let time = self.records[record].time[segment.samples.0];
+        at_rest(&self.automaton, &drive, (time, start), contact, &self.scale)
     }
 
     /// As [`Problem::simulated`], with an observer that may correct the run at its samples.

@@ -42,6 +42,7 @@ pub const BUILT_IN: &[(&str, &str)] = &[
     ("bilinear-damping", include_str!("../../laws/bilinear-damping.ron")),
     ("bilinear-stiffness", include_str!("../../laws/bilinear-stiffness.ron")),
     ("bouc-wen", include_str!("../../laws/bouc-wen.ron")),
+    ("breakaway", include_str!("../../laws/breakaway.ron")),
     ("cogging", include_str!("../../laws/cogging.ron")),
     ("coulomb", include_str!("../../laws/coulomb.ron")),
     ("cubic-damping", include_str!("../../laws/cubic-damping.ron")),
@@ -113,6 +114,7 @@ mod tests {
             those(Law::sticks),
             [
                 "asymmetric-coulomb",
+                "breakaway",
                 "coulomb",
                 "dieterich-ruina",
                 "drifting-friction",

@@ -70,9 +70,10 @@ impl Law {
             Node::Binary(Binary::Max | Binary::Min | Binary::Dead | Binary::Mod, a, b) => {
                 depends(a) || depends(b)
             }
-            Node::Unary(Unary::Pos | Unary::Step | Unary::Abs | Unary::Sgn | Unary::Floor, a) => {
-                a != x && depends(a)
-            }
+            Node::Unary(
+                Unary::Pos | Unary::Step | Unary::Abs | Unary::Sgn | Unary::Rest | Unary::Floor,
+                a,
+            ) => a != x && depends(a),
             _ => false,
         })
     }

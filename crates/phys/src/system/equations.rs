@@ -175,6 +175,8 @@ pub struct System {
     pub names: Names,
     /// The node of time.
     pub time: Id,
+    /// The time from which laws count: with the clock moved, what a law says is the same.
+    pub counts_from: f64,
     /// In the order of the spec.
     pub states: Vec<State>,
     /// In the order of the spec.

@@ -115,6 +115,7 @@ impl Checker {
             graph: self.graph.clone(),
             names: self.names.clone(),
             time,
+            counts_from: 0.0,
             states,
             inputs,
             outputs,

@@ -155,7 +155,7 @@ impl Rules<'_> {
         match op {
             Unary::Neg | Unary::Abs | Unary::Pos => of,
             Unary::Sqrt => of.pow(0.5),
-            Unary::Sgn | Unary::Step => Measure::Fixed(Form::none()),
+            Unary::Sgn | Unary::Step | Unary::Rest => Measure::Fixed(Form::none()),
             Unary::Ln
             | Unary::Exp
             | Unary::Sin
