@@ -287,6 +287,10 @@ decisions! {
     CONSTANT_OFF: f64 = 3.0, "factor", Basis::Judgement("a larger mistake would be seen by hand");
     /// Most constants of the spec that have changed.
     MOST_CHANGED: usize = 3, "constants", Basis::Judgement("with more of them it is another rig");
+    /// The speeds before and after a turn are those of so many samples beside it, and beyond these, up to so many.
+    BEFORE_AND_AFTER: [usize; 2] = [3, 6], "samples", Basis::Judgement("a line through three tells its slope; a bounce is longer than twice six");
+    /// Of the change of speed over the longer time that much happens within the shorter one where a body turns at once.
+    TURNS_AT_ONCE: f64 = 0.7, "part", Basis::Derived("half way from 0.4, a steady acceleration between the middles of these lines, to 1, an impact");
     /// Choices of changed constants beside which another one is freed.
     CHANGES_KEPT: usize = 3, "models", Basis::Judgement("a mass and a stiffness do nearly the same to a resonance");
     /// Models with a free constant that are fitted in full.

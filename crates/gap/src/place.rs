@@ -68,6 +68,13 @@ pub enum Site {
     Sensor(Vec<String>),
     /// A recorded input and, where the model uses it too, its rate of change.
     Input(Vec<usize>),
+    /// A wall that a displacement, a state, does not pass.
+    Impact {
+        /// Which state.
+        state: usize,
+        /// Whether the body comes from above, where it is larger.
+        below: bool,
+    },
     /// A constant of the spec.
     Constant {
         /// Its value there, in its unit.
@@ -118,7 +125,7 @@ impl Place {
     pub(crate) fn unit(&self, unit: &str, newtons: f64, system: &System) -> String {
         let Ok(parsed) = Unit::parse(unit) else { return String::new() };
         match &self.site {
-            Site::Constant { .. } => return unit.to_owned(),
+            Site::Constant { .. } | Site::Impact { .. } => return unit.to_owned(),
             // What acts is measured as the input is.
             Site::Input(inputs) => {
                 return if unit == "N" { system.inputs[inputs[0]].unit.clone() } else { unit.to_owned() };

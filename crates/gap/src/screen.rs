@@ -98,7 +98,7 @@ pub(crate) fn screen(
             free.seeds(sensor_trials(effect, &columns, &data), None)
         }
         Site::Input(inputs) => free.seeds(input_trials(effect, inputs, system, &data), None),
-        Site::Constant { .. } => free.seeds(vec![], None),
+        Site::Constant { .. } | Site::Impact { .. } => free.seeds(vec![], None),
         Site::Force { .. } if model.stop.requested() => free.seeds(vec![], None),
         Site::Force { .. } => match ForceTrials::new(effect, system, &data) {
             Some(force) => free.seeds(force.on_grid(), Some(force.regressors)),

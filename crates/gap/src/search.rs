@@ -17,6 +17,7 @@ use crate::decisions::{
     RIVALS, SEARCHES_AGAIN, SEEDED_STRIDE, SEGMENTS_END, SHRINKS, SIMPLER, WEAK_ROUND, WORTH, WORTH_STARTS,
 };
 use crate::evidence::against;
+use crate::impacts::with_impact;
 use crate::input_interpolation::Drawing;
 use crate::model::{Fitted, Measure, TrialModel, current};
 use crate::place::Effect;
@@ -27,7 +28,8 @@ use crate::result::{
     Veto, Vetoed,
 };
 use crate::screen::{Candidate, Screening, Target, screen};
-use compare::{makes_progress, predicts_no_better};
+pub(crate) use compare::makes_progress;
+use compare::predicts_no_better;
 use phisindy_learn::{Effort, SegmentFit};
 use phisindy_phys::LawEntry;
 use proposals::{friction_pairs, is_composed, singles};
@@ -164,6 +166,10 @@ impl Search<'_> {
         let mut first: Option<(Vec<Tried>, Vec<NotTried>)> = None;
         let mut changed = None;
         let drawing = Drawing::of(&base, self.noise);
+        if let Some(hit) = with_impact(&base, self.noise) {
+            rounds.push(round_from(0, &base, &hit, &[], vec![], candidates));
+            now = hit.on_trial();
+        }
         let mut stop = loop {
             if let Some(stop) = self.ends(&now, rounds.len(), weak) {
                 break stop;
@@ -516,7 +522,7 @@ impl Search<'_> {
 
     /// The model with each of the leading laws of a screening, from the best of their starts.
     fn extended(&self, model: &TrialModel, now: &Fitted, screening: &Screening) -> Vec<TrialModel> {
-        let lists = if now.rests() || now.has_clearance() {
+        let lists = if now.rests() || now.has_clearance() || model.system.jumps() {
             self.ranked_by_free_run(model, screening)
         } else {
             self.best_starts(model, singles(screening))

@@ -79,6 +79,7 @@ pub(crate) fn text_with(
             }
             Site::Input(inputs) => acting(&mut text, model, applied, inputs, &mut parts)?,
             Site::Force { .. } => force(&mut text, model, applied, &mut parts)?,
+            Site::Impact { below, .. } => impact(&mut text, model, applied, *below)?,
             // It stands among the constants by now.
             Site::Constant { .. } => {}
         }
@@ -259,6 +260,20 @@ fn force(
     Ok(())
 }
 
+/// The gap of an impact: what is larger less what is smaller.
+fn gap_text(applied: &Applied, below: bool) -> String {
+    let (x, wall) = (&applied.effect.place.at, applied.names.first().map_or("", String::as_str));
+    if below { format!("{x} - {wall}") } else { format!("{wall} - {x}") }
+}
+
+fn impact(text: &mut Text, model: &TrialModel, applied: &Applied, below: bool) -> Result<(), SpecTextError> {
+    let taken = |name: &str| model.given.spec.impacts.iter().any(|(own, _)| own.value == name);
+    let side = if below { "floor" } else { "ceiling" };
+    let name = if taken(side) { format!("{side}_{}", applied.effect.place.at) } else { side.to_owned() };
+    let value = format!("(when: \"{}\", restitution: \"{}\")", gap_text(applied, below), applied.names[1]);
+    text.set(&format!("impacts.{name}"), &value)
+}
+
 fn constants(text: &mut Text, model: &TrialModel, applied: &Applied) -> Result<(), SpecTextError> {
     for &k in &applied.parameters {
         let p = &model.system.parameters[k];
@@ -360,6 +375,9 @@ pub(crate) fn expression(applied: &Applied) -> String {
         // Digits that a person reads.
         let stated: f64 = format!("{stated:.4e}").parse().unwrap_or(stated);
         return format!("the spec says {stated:?}");
+    }
+    if let Site::Impact { below, .. } = effect.place.site {
+        return format!("{} > 0", gap_text(applied, below));
     }
     if effect.is_input_delay() {
         // The law's own number: the constant of the spec, the delay of the record, is its negative.

@@ -5,7 +5,7 @@ use phisindy_expr::Id;
 use phisindy_phys::spec::{ConstantSpec, DataSpec, Movable, Number, Role, Spec};
 use phisindy_phys::unit::Unit;
 use phisindy_phys::{
-    Case, Contact, Law, Record, RecordPlan, Sensor, SensorParameter, SourceId, System, check_names,
+    Case, Contact, Impact, Law, Record, RecordPlan, Sensor, SensorParameter, SourceId, System, check_names,
     takes_units,
 };
 use phisindy_sim::Stop;
@@ -157,8 +157,13 @@ impl TrialModel {
             return self.with_constant(effect);
         }
         // The effect may come from a variant of this model, whose nodes differ.
-        let here = self.places().iter().find(|p| p.is(&effect.place)).ok_or_else(|| {
-            EffectError::UnknownName { law: effect.entry.id.clone(), name: effect.place.at.clone() }
+        let here = match effect.place.site {
+            Site::Impact { .. } => Some(&effect.place),
+            _ => self.places().iter().find(|p| p.is(&effect.place)),
+        };
+        let here = here.ok_or_else(|| EffectError::UnknownName {
+            law: effect.entry.id.clone(),
+            name: effect.place.at.clone(),
         })?;
         let effect = &Effect { place: here.clone(), ..effect.clone() };
         let mut out = self.starting_at(&effect.beside);
@@ -186,6 +191,7 @@ impl TrialModel {
                 out.set_input_property(&applied, inputs)?;
             }
             Site::Constant { .. } => {}
+            &Site::Impact { state, below } => out.add_impact(&applied, state, below),
             Site::Force { acts, enters, shows, velocity, .. } => {
                 applied.internal = out.add_internal_states(effect, &mut taken);
                 let system = &mut out.system;
@@ -241,6 +247,17 @@ impl TrialModel {
         }
         out.effects.push(applied);
         Ok(out)
+    }
+
+    /// Adds the wall of an impact.
+    fn add_impact(&mut self, applied: &Applied, state: usize, below: bool) {
+        let system = &mut self.system;
+        let [wall, restitution] = [0, 1].map(|k| system.parameters[applied.parameters[k]].node);
+        let x = system.states[state].node;
+        let (to, from) = if below { (x, wall) } else { (wall, x) };
+        let gap = system.graph.sub(to, from);
+        let (name, text) = (applied.effect.entry.id.clone(), system.graph.text(gap, &system.names));
+        system.impacts.push(Impact { name, text, gap, restitution });
     }
 
     /// This model with a constant of the spec that is to be found: all effects are added anew to what the changed

@@ -302,7 +302,7 @@ pub(crate) fn fits(law: &Law, place: &Place) -> bool {
             Some(_) => inputs.len() == 1 || law.is_input_gain(),
             None => law.input.is_some(),
         },
-        Site::Constant { .. } => false,
+        Site::Constant { .. } | Site::Impact { .. } => false,
         Site::Force { displacement, .. } => {
             // A force that uses no quantity of the place is the same on the body as between body and base.
             let told_apart = !(law.roles.is_empty() && place.is_on_base());

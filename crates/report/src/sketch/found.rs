@@ -135,7 +135,7 @@ fn add_step(reading: &mut Reading, step: &Step) {
             }
         }
         Site::Sensor(columns) => add_to_sensor(reading, columns, &words),
-        Site::Input(_) | Site::Constant { .. } => add_to_name(reading, place, &words),
+        Site::Input(_) | Site::Constant { .. } | Site::Impact { .. } => add_to_name(reading, place, &words),
     }
 }
 
