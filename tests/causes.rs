@@ -98,7 +98,7 @@ fn friction_that_holds_more_than_it_rubs_is_found() {
     let stated = Slider { friction: 0.0, ..STATED }.constants();
     let folder = Scratch::new("breakaway");
     let rig = folder.path("rig.ron");
-    for (friction, holds) in [(0.9, 1.6), (0.4, 2.8)] {
+    for (friction, holds) in [(0.9, 1.6), (0.4, 1.2)] {
         let slider = Slider { friction, holds, ..STATED };
         let slow = |t: f64| 0.6 * drive(0.25 * t);
         std::fs::write(folder.path("run.csv"), slider.record(&slow, &mut Dice(11))).expect("a file");
@@ -125,4 +125,36 @@ fn friction_that_grows_is_found_by_any_clock() {
         let found = serde_json::from_str(&out.out).unwrap_or_else(|_| panic!("{}", out.err));
         holds(&found, &[("drifting-friction", "v", &[("Fc", worn.friction), ("r", worn.wear)])]);
     }
+}
+
+/// A body that falls through air on a floor of which the model knows nothing.
+#[test]
+fn a_floor_and_the_air_above_it_are_found() {
+    let (floor, left, drag, step) = (0.3, 0.72, 0.03, 1e-5);
+    let (mut z, mut v, mut dice) = (6.0_f64, 0.0_f64, Dice(11));
+    let mut text = "t,z\n".to_owned();
+    for k in 0..700_000 {
+        if k % 2000 == 0 {
+            text += &format!("{},{}\n", step * f64::from(k), z + 0.01 * dice.normal());
+        }
+        v -= step * (9.81 + drag * v * v.abs());
+        z += step * v;
+        if z < floor && v < 0.0 {
+            v *= -left;
+        }
+    }
+    let folder = Scratch::new("floor");
+    let rig = folder.path("rig.ron");
+    std::fs::write(folder.path("run.csv"), text).expect("a file");
+    let spec = r#"(states: { "z": "m", "v": "m/s" }, known: { "z": "v", "v": "-9.81" }, unknown: {},
+        data: [ Csv(path: "run.csv", time: ("t", "s"), columns: { "z": ("z", "m") }) ])"#;
+    std::fs::write(&rig, spec).expect("a file");
+    let out = phisindy(&["gap", &rig, "--format", "json", "--quiet", "--out", &folder.path("found")]);
+    let found: Value = serde_json::from_str(&out.out).unwrap_or_else(|_| panic!("{}", out.err));
+    let due: [Due<'_>; 2] =
+        [("impact", "z", &[("x0", floor), ("e", left)]), ("quadratic-drag", "v", &[("d", drag)])];
+    holds(&found, &due);
+    let again = phisindy(&["run", &folder.path("found/completed.ron"), "--format", "json", "--quiet"]);
+    let again: Value = serde_json::from_str(&again.out).unwrap_or_else(|_| panic!("{}", again.err));
+    assert!(again["records"][0]["nrmse"]["z"].as_f64().is_some_and(|missed| missed < 0.02), "{again}");
 }

@@ -92,7 +92,9 @@ impl Slider {
             let free = v + h * (beyond - self.stiffness * reach - self.damping * v - hangs) / self.mass;
             let held = if v == 0.0 { self.holds } else { 0.0 };
             let most = h * (self.friction * (1.0 + self.wear * step as f64 * h) + held) / self.mass;
-            v = free - free.clamp(-most, most);
+            // Who turns is at rest for an instant.
+            let next = free - free.clamp(-most, most);
+            v = if self.holds > 0.0 && v * next < 0.0 { 0.0 } else { next };
             w += h * hangs / m;
             x += h * v;
             y += h * w;

@@ -119,8 +119,8 @@ decisions! {
     FOLLOWED_GAIN: f64 = 1e-4, "of the gain", Basis::Judgement("less than two laws of one family differ by");
     /// Starts of a law that enter the joint regression, best first.
     GRID_KEPT: usize = 9, "starts", Basis::Judgement("cost; the others are worse in the regression of the law alone");
-    /// By what the level at rest is multiplied for further starts.
-    HOLDING_MORE: [f64; 3] = [2.0, 4.0, 8.0], "factors", Basis::Judgement("a fit comes down from twice the level; what rests most of its time looks as if it hardly rubbed");
+    /// A body rests in a record where its smoothed speed is below this part of its standard deviation.
+    RESTS_BELOW: f64 = 0.1, "part", Basis::Judgement("smoothing leaves a tenth of a speed that stops at once");
     /// A column is degenerate if projecting out the free columns leaves less.
     DEGENERATE: f64 = 1e-7, "of a column", Basis::Derived("rounding of a Gram matrix of some thousand rows");
     /// Decay rate of the linear response of a body that comes to rest.

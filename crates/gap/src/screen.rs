@@ -14,8 +14,8 @@ mod target;
 mod trial;
 
 use crate::decisions::{
-    FOLLOWED, FOLLOWED_FROM, FOLLOWED_GAIN, FOLLOWS, GRID_KEPT, GRID_STARTS, HOLDING_MORE, PLAIN_GAIN,
-    REGRESSION_ROWS, TONE_STARTS,
+    FOLLOWED, FOLLOWED_FROM, FOLLOWED_GAIN, FOLLOWS, GRID_KEPT, GRID_STARTS, PLAIN_GAIN, REGRESSION_ROWS,
+    TONE_STARTS,
 };
 use crate::model::TrialModel;
 
@@ -329,8 +329,7 @@ impl<'a> Free<'a> {
 fn others(seeds: &[Candidate], regressors: Option<&Regressors>, data: &[RegressionData]) -> Vec<Effect> {
     let tone = regressors.and_then(|r| r.grid.iter().position(|axis| axis.scale == Scale::Frequency));
     let Some(tone) = tone else {
-        let others = seeds.iter().skip(1).take(GRID_STARTS).map(|c| c.effect.clone());
-        return others.chain(seeds.first().into_iter().flat_map(|c| holding_more(&c.effect))).collect();
+        return seeds.iter().skip(1).take(GRID_STARTS).map(|c| c.effect.clone()).collect();
     };
     let fine = data.iter().map(RegressionData::resolution).fold(0.0, f64::max);
     let mut kept: Vec<&Candidate> = Vec::new();
@@ -340,16 +339,6 @@ fn others(seeds: &[Candidate], regressors: Option<&Regressors>, data: &[Regressi
         }
     }
     kept.into_iter().skip(1).take(TONE_STARTS).map(|c| c.effect.clone()).collect()
-}
-
-/// The effect with higher levels at rest, of which a regression along the motion says nothing.
-fn holding_more(effect: &Effect) -> impl Iterator<Item = Effect> {
-    let levels = effect.entry.law.holding_levels();
-    HOLDING_MORE.into_iter().filter(move |_| !levels.is_empty()).map(|factor| {
-        let mut more = effect.clone();
-        effect.entry.law.holding_levels().into_iter().for_each(|k| more.start[k] *= factor);
-        more
-    })
 }
 
 impl Screening {

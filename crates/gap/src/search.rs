@@ -315,6 +315,9 @@ impl Search<'_> {
         let Start { now, model, screening, candidates, .. } = start;
         let mut models = self.extended(model, now, screening);
         models.extend(self.richer(model, now));
+        if !now.rests() {
+            models.extend(self.holding(model));
+        }
         let mut singles = self.fit_race(models, RACE, *candidates, vetoed);
         // What a leading law contains is fitted whatever its segments cost: on a coarse grid the richer law
         // starts nearer.

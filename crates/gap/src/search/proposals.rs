@@ -1,11 +1,14 @@
 //! The trials of a round: models with one or two more effects, from starts that a fit can use.
 
 use super::task::Search;
-use crate::decisions::{FITTED_IN_FULL, LEADERS, NEUTRAL, SEEDED_STRIDE, STARTS_WITH_MEMORY};
+use crate::decisions::{FITTED_IN_FULL, LEADERS, NEUTRAL, RESTS_BELOW, SEEDED_STRIDE, STARTS_WITH_MEMORY};
 use crate::model::{Fitted, TrialModel, current, values};
 use crate::place::{Effect, Place, Site, is_force};
 use crate::screen::{Candidate, Screening, excludes, sibling_starts};
-use phisindy_phys::LawEntry;
+use phisindy_expr::{Scratch, Tape};
+use phisindy_phys::spec::Role;
+use phisindy_phys::{Law, LawEntry, LawParameter, LawRole};
+use phisindy_signal::standard_deviation;
 use rayon::prelude::*;
 
 impl Search<'_> {
@@ -26,6 +29,39 @@ impl Search<'_> {
             .collect();
         all.sort_by(|a, b| a.0.total_cmp(&b.0));
         all.into_iter().take(FITTED_IN_FULL).map(|(_, e)| vec![e]).collect()
+    }
+
+    /// The friction laws that stick, at each body that rests in a record while what is known would move it: they hold what
+    /// pushes it there. Along a motion that mostly rests a regression sees little of them.
+    pub(crate) fn holding(&self, model: &TrialModel) -> Vec<TrialModel> {
+        let sticks = |e: &&LawEntry| e.law.sticks() && e.law.role(LawRole::Load).is_none();
+        let mut all = Vec::new();
+        for place in model.places() {
+            let Some(held) = held_at(model, place) else { continue };
+            let entries = self.catalogue.iter().filter(sticks).filter(|e| model.takes(&e.law, place));
+            // Of the levels of a law one holds, and all slide at less.
+            let start = |law: &Law| -> Vec<f64> {
+                let top = law.holding_levels();
+                let level = |k: usize| if top.is_empty() || top.contains(&k) { held } else { 0.5 * held };
+                let of = |(k, (_, p)): (usize, &(String, LawParameter))| {
+                    (if is_force(&p.unit) { level(k) } else { 0.0 }).clamp(p.within.0, p.within.1)
+                };
+                law.parameters.iter().enumerate().map(of).collect()
+            };
+            let few = entries.filter(|e| e.law.parameters.iter().all(|(_, p)| is_force(&p.unit)));
+            let effects = few.map(|entry| Effect {
+                entry: entry.clone(),
+                place: place.clone(),
+                mirror: false,
+                load: None,
+                pressed_by: None,
+                start: start(&entry.law),
+                beside: vec![],
+            });
+            let new = effects.filter(|e| !model.effects.iter().any(|own| excludes(&own.effect, e)));
+            all.extend(new.filter_map(|e| model.with(&e).ok()));
+        }
+        all
     }
 
     /// Every law of the family of the leading friction law, started from the leader's fitted force.
@@ -198,6 +234,37 @@ impl Search<'_> {
     }
 }
 
+/// The largest known force on a body while it rests in the Fit records; `None` where it hardly does.
+fn held_at(model: &TrialModel, place: &Place) -> Option<f64> {
+    let system = &model.system;
+    let Site::Force { velocity, state: Some(state), .. } = &place.site else { return None };
+    if system.states[*state].node != velocity.node {
+        return None;
+    }
+    let mut graph = system.graph.clone();
+    let force = system.inertia[*state].map_or(system.known[*state], |m| graph.mul(m, system.known[*state]));
+    let tape = Tape::compile(&graph, &system.arguments(), &[force]).ok()?;
+    let mut scratch = Scratch::<1>::new(&tape);
+    let numbers: Vec<f64> = system.parameters.iter().map(|p| p.start).collect();
+    let (mut held, mut samples) = (vec![], 0);
+    for record in model.smooth.iter().filter(|r| r.role == Role::Fit) {
+        let speeds = record.columns[*state].as_deref()?;
+        let size = standard_deviation(speeds);
+        samples += speeds.len();
+        for i in (0..speeds.len()).filter(|&i| speeds[i].abs() < RESTS_BELOW * size) {
+            let states = record.columns[..system.states.len()].iter();
+            let states = states.map(|c| c.as_ref().map_or(0.0, |c| c[i]));
+            scratch.at(record.arguments_at(i, states, &numbers));
+            held.push(scratch.output(0)[0].abs());
+        }
+    }
+    // A motion that never rests is as slow as that for a part of its time: of a sine it is 2/pi of the bound.
+    if (held.len() as f64) < 4.0 * RESTS_BELOW * samples as f64 {
+        return None;
+    }
+    held.into_iter().filter(|force| force.is_finite()).max_by(f64::total_cmp).filter(|force| *force > 0.0)
+}
+
 /// The laws of a law's family without internal states; none if it has no family.
 pub(crate) fn family<'a>(catalogue: &'a [LawEntry], of: &'a LawEntry) -> impl Iterator<Item = &'a LawEntry> {
     let name = &of.law.family;
@@ -256,7 +323,7 @@ pub(crate) fn is_composed(effect: &Effect) -> bool {
 /// it.
 pub(crate) fn neutral(effect: &Effect) -> Effect {
     let law = &effect.entry.law;
-    let small = |(v, (_, p)): (&f64, &(String, phisindy_phys::LawParameter))| {
+    let small = |(v, (_, p)): (&f64, &(String, LawParameter))| {
         if is_force(&p.unit) { (NEUTRAL * v).clamp(p.within.0, p.within.1) } else { *v }
     };
     let start = match law.property() {
