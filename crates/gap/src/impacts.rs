@@ -1,9 +1,8 @@
 //! Impacts that the model lacks: a body that turns at once, where a wall or a floor stands.
 
-use crate::decisions::{BEFORE_AND_AFTER, TURNS_AT_ONCE};
+use crate::decisions::{BEFORE_AND_AFTER, ON_THE_WAY, TURNS_AT_ONCE};
 use crate::model::{Fitted, TrialModel};
 use crate::place::{Effect, Place, Site};
-use crate::search::makes_progress;
 use phisindy_learn::Effort;
 use phisindy_phys::spec::Role;
 use phisindy_phys::unit::Unit;
@@ -32,7 +31,7 @@ pub(crate) fn with_impact(of: &Fitted, noise: &[Vec<f64>]) -> Option<Fitted> {
         impacts(&of.model).iter().filter_map(|effect| model.with(effect).ok()).collect();
     let fits = models.into_par_iter().filter_map(|m| Fitted::new(m, noise, Effort::Plain).ok());
     let best = fits.min_by(|a, b| a.score.fit.total_cmp(&b.score.fit))?;
-    makes_progress(&of.score, &best.score).then_some(best)
+    (best.score.fit < ON_THE_WAY * of.score.fit).then_some(best)
 }
 
 /// The impacts that the records show: on either side of each displacement that has a column.

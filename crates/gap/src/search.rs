@@ -28,8 +28,7 @@ use crate::result::{
     Veto, Vetoed,
 };
 use crate::screen::{Candidate, Screening, Target, screen};
-pub(crate) use compare::makes_progress;
-use compare::predicts_no_better;
+use compare::{makes_progress, predicts_no_better};
 use phisindy_learn::{Effort, SegmentFit};
 use phisindy_phys::LawEntry;
 use proposals::{friction_pairs, is_composed, singles};
