@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""What `gap` makes of twenty-eight causes: missing bodies, dampers of practice, actuators, unmeasured pushes, sensors, numbers that changed, and pairs of them.
+"""What `gap` makes of thirty causes: missing bodies, dampers of practice, actuators, unmeasured pushes, walls, sensors, numbers that changed, and pairs of them.
 
     pip install numpy scipy && python3 bench/causes.py PROGRAM FOLDER --seeds 1,2 --write docs/results.md
 
 A mass of 2 kg hangs on a spring of 800 N/m and a damper of 1.5 N s/m. A measured force of fourteen tones drives it. Its position is known at 200 Hz for 8 s with
-1 % noise: five seconds to fit, three to validate. What the model lacks is drawn from the seed. SciPy's LSODA integrates it, with a steep tanh in the place of a jump.
+1 % noise: five seconds to fit, three to validate. What the model lacks is drawn from the seed. SciPy's LSODA integrates it, with a steep tanh in the place of a jump; friction that holds more than it rubs and a wall
+take steps of 20 us.
 
 An answer is *right* if its laws are the hidden ones, or cannot be told from them, and each number is within 5 % or its interval. It is right too if it tells a push
 to 0.05 s, or a turned sign. It is *honest* if it ends with exit code 1, else *wrong*. Answers are kept in FOLDER; the same command goes on from there.
@@ -39,6 +40,8 @@ class Rig:
     held: bool = False
     told: str = ""
     span: tuple = ()
+    levels: tuple = ()
+    wall: tuple = ()
 
 
 def sign(v):
@@ -122,7 +125,29 @@ def causes(r):
         "friction and a cubic spring": of(lambda f, k: Rig([{"coulomb": {"Fc": f}, "cubic-stiffness": {"k3": k}}], lambda t, x, v, z, u: f * sign(v) + k * x**3), (1, 2), (3e5, 6e5)),
         "friction and a dead band": of(lambda f, d: Rig([{"coulomb": {"Fc": f}, "input-dead-band": {"d": d}}], lambda t, x, v, z, u: f * sign(v), acts=lambda u, t: dead(u(t), d)), (.8, 1.6), (1, 2.5)),
         "nothing": lambda: Rig([{}]),
+        "friction that holds more": of(lambda f, more: Rig([{"breakaway": {"Fc": f, "Fs": f * more}}], levels=(f, f * more)), (5, 10), (1.5, 3)),
+        "a wall": of(lambda at, e: Rig([{"impact": {"x0": at, "e": e}}], wall=(at, e)), (-.06, -.03), (.4, .9)),
     }
+
+
+def stepped(rig, u):
+    """The motion in short steps: at rest friction holds up to its upper level, and who turns is at rest for an instant; a wall turns the speed."""
+    h, every = 2e-5, 250
+    slide, hold = rig.levels or (0.0, 0.0)
+    at, left = rig.wall or (-np.inf, 0.0)
+    x = v = 0.0
+    shown = []
+    for step, push in enumerate(u(np.arange(len(TIMES) * every) * h).tolist()):
+        if step % every == 0:
+            shown.append(x)
+        most = h * (hold if v == 0.0 else slide) / rig.mass
+        free = v + h * (push - C * v - rig.stiffness * x) / rig.mass
+        after = free - min(max(free, -most), most)
+        v = 0.0 if hold > 0.0 and v * after < 0.0 else after
+        x += h * v
+        if x < at and v < 0.0:
+            v = -left * v
+    return np.array(shown)
 
 
 def record(rig, rng):
@@ -135,6 +160,9 @@ def record(rig, rng):
         a = (rig.acts(u, t) - C * v - rig.stiffness * x - rig.force(t, x, v, z, u)) / rig.mass
         return np.concatenate([[v, a], rig.rates(t, x, v, z, u) if rig.inner else []])
 
+    if rig.levels or rig.wall:
+        column = stepped(rig, u)
+        return u(TIMES), column + .01 * np.std(column) * rng.standard_normal(len(column))
     y = solve_ivp(rate, (0, TIMES[-1]), np.zeros(2 + rig.inner), t_eval=TIMES, method="LSODA", rtol=1e-7, atol=1e-10, max_step=.005).y
     column = rig.shows(y[0], y[2:])
     return u(TIMES), column + .01 * np.std(column) * rng.standard_normal(len(column))

@@ -38,15 +38,8 @@ fn changed(name: &str, stated: f64, unit: &str) -> Option<Effect> {
         "(name: \"changed constant\", about: \"A number of the spec is not what it was.\", \
          parameters: {{ {name:?}: (unit: {unit:?}, within: {within:?}) }}, force: \"0\")"
     );
-    Some(Effect {
-        entry: LawEntry::read(CHANGED, &text).ok()?,
-        place: Place { at: name.to_owned(), site: Site::Constant { stated } },
-        mirror: false,
-        load: None,
-        pressed_by: None,
-        start: vec![factor * stated],
-        beside: vec![],
-    })
+    let place = Place { at: name.to_owned(), site: Site::Constant { stated } };
+    Some(Effect::new(LawEntry::read(CHANGED, &text).ok()?, place, vec![factor * stated]))
 }
 
 impl Search<'_> {

@@ -380,15 +380,7 @@ fn candidate(entry: Entry, place: &Place, grammar: &Grammar) -> Option<Candidate
     let shapes = entry.terms.iter().map(|t| t.shape).collect();
     let start = entry.terms.iter().zip(&entry.coefficients).flat_map(with).collect();
     let none = LawEntry::read(DISCOVERED, r#"(name: "none", force: "0")"#).ok()?;
-    let effect = Effect {
-        entry: none,
-        place: place.clone(),
-        mirror: false,
-        load: None,
-        pressed_by: None,
-        start,
-        beside: entry.beside,
-    };
+    let effect = Effect { beside: entry.beside, ..Effect::new(none, place.clone(), start) };
     written(shapes, effect, &grammar.scales, (entry.length, entry.excess))
 }
 

@@ -7,6 +7,7 @@ use phisindy_learn::Effort;
 use phisindy_phys::spec::Role;
 use phisindy_phys::unit::Unit;
 use phisindy_phys::{LawEntry, Record};
+use phisindy_signal::mean_step;
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -40,10 +41,16 @@ fn impacts(model: &TrialModel) -> Vec<Effect> {
     let measured = |k: &usize| model.system.states[*k].velocity.is_some();
     let sides = (0..model.system.states.len()).filter(measured).flat_map(|k| [(k, true), (k, false)]);
     let of = |(state, below): (usize, bool)| {
-        let turns: Vec<Turn> = fit().flat_map(|r| turns(r, state, below)).collect();
-        let hits: Vec<Turn> = turns.iter().copied().filter(|turn| turn.at_once).collect();
-        // Two turns tell a wall from a disturbance.
-        (hits.len() > 1 && 2 * hits.len() > turns.len()).then(|| impact(model, state, below, &hits)).flatten()
+        let mut turns: Vec<Turn> = fit().flat_map(|r| turns(r, state, below)).collect();
+        let side = if below { 1.0 } else { -1.0 };
+        turns.sort_by(|a, b| (side * a.at).total_cmp(&(side * b.at)));
+        // Of the turns that go as far as half of those at once most are at once, and two tell a wall from a disturbance.
+        let mut hits: Vec<Turn> = turns.iter().copied().filter(|turn| turn.at_once).collect();
+        let far = hits.get(hits.len() / 2)?.at;
+        let reach = |all: &[Turn]| all.iter().filter(|turn| side * turn.at <= side * far).count();
+        let walled = hits.len() > 1 && 2 * reach(&hits) > reach(&turns);
+        hits.truncate(reach(&hits).max(2));
+        walled.then(|| impact(model, state, below, &hits)).flatten()
     };
     sides.filter_map(of).collect()
 }
@@ -60,17 +67,17 @@ fn turns(record: &Record, state: usize, below: bool) -> Vec<Turn> {
         around.iter().all(|other| *other >= z[*i])
     };
     let last = z.len().saturating_sub(long);
+    // Both lines have errors: the change of speed has that of the noise in one step. Less than three of these is rest.
+    let least = 3.0 * record.noise_level(state) / mean_step(&time);
     let turn = |i: usize| {
         let [(before, s), (after, t)] = [line(i - short..i), line(i + 1..i + 1 + short)];
         let [(_, earlier), (_, later)] = [line(i - long..i - short), line(i + 1 + short..i + 1 + long)];
         let meet = (before - after) / (t - s);
-        Turn {
-            at: sign * (before + s * meet),
-            left: -t / s,
-            at_once: s < 0.0 && t > 0.0 && t - s > TURNS_AT_ONCE * (later - earlier),
-        }
+        let at_once = s < 0.0 && t > 0.0 && t - s > TURNS_AT_ONCE * (later - earlier);
+        let turn = Turn { at: sign * (before + s * meet), left: -t / s, at_once };
+        (turn.at.is_finite() && t - s > least).then_some(turn)
     };
-    (long..last).filter(lowest).map(turn).filter(|turn| turn.at.is_finite()).collect()
+    (long..last).filter(lowest).filter_map(turn).collect()
 }
 
 /// Value at time 0 and slope of the straight line through samples.
@@ -102,15 +109,8 @@ fn impact(model: &TrialModel, state: usize, below: bool, hits: &[Turn]) -> Optio
         "(name: \"impact\", about: \"A body hits a wall and rebounds with a part of its speed.\", \
          parameters: {{ \"x0\": (unit: {unit:?}, within: {within:?}), \"e\": (unit: \"\", within: (0.0, 1.0)) }}, force: \"0\")"
     );
-    Some(Effect {
-        entry: LawEntry::read(IMPACT, &text).ok()?,
-        place: Place { at: own.name.clone(), site: Site::Impact { state, below } },
-        mirror: false,
-        load: None,
-        pressed_by: None,
-        start: vec![at, left],
-        beside: vec![],
-    })
+    let place = Place { at: own.name.clone(), site: Site::Impact { state, below } };
+    Some(Effect::new(LawEntry::read(IMPACT, &text).ok()?, place, vec![at, left]))
 }
 
 #[cfg(test)]

@@ -81,15 +81,7 @@ fn effect(
         ));
     }
     let start = entry.law.parameters.iter().map(|(_, p)| default_start(p.within)).collect();
-    Ok(Effect {
-        entry: entry.clone(),
-        place,
-        mirror: false,
-        load: None,
-        pressed_by: None,
-        start,
-        beside: vec![],
-    })
+    Ok(Effect::new(entry.clone(), place, start))
 }
 
 /// Start of a parameter without any estimate: 0 where it may have either sign, otherwise 1 (SI), clamped to

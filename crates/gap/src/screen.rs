@@ -454,15 +454,7 @@ fn effects(model: &TrialModel, catalogue: &[LawEntry]) -> Vec<Effect> {
         for place in model.places().iter().filter(|p| model.takes(&entry.law, p)) {
             let start =
                 entry.law.parameters.iter().map(|(_, p)| 0.0_f64.clamp(p.within.0, p.within.1)).collect();
-            let plain = Effect {
-                entry: entry.clone(),
-                place: place.clone(),
-                mirror: false,
-                load: None,
-                pressed_by: None,
-                start,
-                beside: vec![],
-            };
+            let plain = Effect::new(entry.clone(), place.clone(), start);
             if entry.law.role(LawRole::Load).is_some() {
                 let pressed = |force: String| Effect { pressed_by: Some(force), ..plain.clone() };
                 all.extend(known_forces(&model.system, place).into_iter().map(pressed));

@@ -43,15 +43,7 @@ pub(crate) fn fitted(model: TrialModel, noise: &[Vec<f64>]) -> Fitted {
 pub(crate) fn effect(model: &TrialModel, id: &str, law: &str, at: &str, start: &[f64]) -> Effect {
     let entry = LawEntry::read(id, law).expect("a law");
     let place = model.places().iter().find(|p| p.at == at).expect("a place").clone();
-    Effect {
-        entry,
-        place,
-        mirror: false,
-        load: None,
-        pressed_by: None,
-        start: start.to_vec(),
-        beside: vec![],
-    }
+    Effect::new(entry, place, start.to_vec())
 }
 
 /// The model fitted with effects, with error bars.

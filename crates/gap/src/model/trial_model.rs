@@ -597,15 +597,7 @@ mod tests {
             let base = TrialModel::base(spec, case, vec![]);
             let entry = LawEntry::read("coulomb", include_str!("../../../phys/laws/coulomb.ron"));
             let (entry, place) = (entry.expect("a law"), base.places()[0].clone());
-            let effect = Effect {
-                entry,
-                place,
-                mirror: false,
-                load: None,
-                pressed_by: None,
-                start: vec![1.0],
-                beside: vec![],
-            };
+            let effect = Effect::new(entry, place, vec![1.0]);
             text_with(&text, &base.with(&effect).expect("a model"), None).expect("a text")
         };
         let plain = written("7.5");
@@ -636,13 +628,9 @@ mod tests {
                 let load = entry.law.role(phisindy_phys::LawRole::Load);
                 let forces = crate::place::known_forces(&base.system, place);
                 let effect = Effect {
-                    entry: entry.clone(),
-                    place: place.clone(),
-                    mirror: false,
-                    load: None,
                     pressed_by: load.and(forces.first().cloned()),
-                    start,
                     beside: vec![("c".into(), 0.25)],
+                    ..Effect::new(entry.clone(), place.clone(), start)
                 };
                 let mirror = Effect { mirror: true, ..effect.clone() };
                 let effects = if entry.law.mirror.is_some() { vec![effect, mirror] } else { vec![effect] };

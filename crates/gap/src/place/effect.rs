@@ -94,6 +94,11 @@ fn lowered(system: &mut System, text: &str) -> Option<Id> {
 }
 
 impl Effect {
+    /// A law at a place as it stands, from these start values.
+    pub(crate) fn new(entry: LawEntry, place: Place, start: Vec<f64>) -> Effect {
+        Effect { entry, place, mirror: false, load: None, pressed_by: None, start, beside: vec![] }
+    }
+
     /// Whether this is a law that another one contains, at the same place.
     pub(crate) fn is_simpler_form_of(&self, rich: &Effect) -> bool {
         rich.place.at == self.place.at

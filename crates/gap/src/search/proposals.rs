@@ -49,15 +49,7 @@ impl Search<'_> {
                 law.parameters.iter().enumerate().map(of).collect()
             };
             let few = entries.filter(|e| e.law.parameters.iter().all(|(_, p)| is_force(&p.unit)));
-            let effects = few.map(|entry| Effect {
-                entry: entry.clone(),
-                place: place.clone(),
-                mirror: false,
-                load: None,
-                pressed_by: None,
-                start: start(&entry.law),
-                beside: vec![],
-            });
+            let effects = few.map(|entry| Effect::new(entry.clone(), place.clone(), start(&entry.law)));
             let new = effects.filter(|e| !model.effects.iter().any(|own| excludes(&own.effect, e)));
             all.extend(new.filter_map(|e| model.with(&e).ok()));
         }
