@@ -271,7 +271,7 @@ fn impact(text: &mut Text, model: &TrialModel, applied: &Applied, below: bool) -
     let side = if below { "floor" } else { "ceiling" };
     let name = if taken(side) { format!("{side}_{}", applied.effect.place.at) } else { side.to_owned() };
     let value = format!("(when: \"{}\", restitution: \"{}\")", gap_text(applied, below), applied.names[1]);
-    text.set(&format!("impacts.\"{name}\""), &value)
+    text.set(&format!("impacts.{name}"), &value)
 }
 
 fn constants(text: &mut Text, model: &TrialModel, applied: &Applied) -> Result<(), SpecTextError> {

@@ -12,6 +12,7 @@ const MAPS: &[&str] = &[
     "let",
     "known",
     "inertia",
+    "impacts",
     "unknown",
     "truth",
     "start",
