@@ -4,8 +4,7 @@
     pip install numpy scipy && python3 bench/causes.py PROGRAM FOLDER --seeds 1,2 --write docs/results.md
 
 A mass of 2 kg hangs on a spring of 800 N/m and a damper of 1.5 N s/m. A measured force of fourteen tones drives it. Its position is known at 200 Hz for 8 s with
-1 % noise: five seconds to fit, three to validate. What the model lacks is drawn from the seed. SciPy's LSODA integrates it, with a steep tanh in the place of a jump; friction that holds more than it rubs and a wall
-take steps of 20 us.
+1 % noise: five seconds to fit, three to validate. What the model lacks is drawn from the seed. SciPy's LSODA integrates it, with a steep tanh in the place of a jump; static friction and a wall take steps of 20 us.
 
 An answer is *right* if its laws are the hidden ones, or cannot be told from them, and each number is within 5 % or its interval. It is right too if it tells a push
 to 0.05 s, or a turned sign. It is *honest* if it ends with exit code 1, else *wrong*. Answers are kept in FOLDER; the same command goes on from there.
@@ -125,13 +124,13 @@ def causes(r):
         "friction and a cubic spring": of(lambda f, k: Rig([{"coulomb": {"Fc": f}, "cubic-stiffness": {"k3": k}}], lambda t, x, v, z, u: f * sign(v) + k * x**3), (1, 2), (3e5, 6e5)),
         "friction and a dead band": of(lambda f, d: Rig([{"coulomb": {"Fc": f}, "input-dead-band": {"d": d}}], lambda t, x, v, z, u: f * sign(v), acts=lambda u, t: dead(u(t), d)), (.8, 1.6), (1, 2.5)),
         "nothing": lambda: Rig([{}]),
-        "friction that holds more": of(lambda f, more: Rig([{"breakaway": {"Fc": f, "Fs": f * more}}], levels=(f, f * more)), (5, 10), (1.5, 3)),
+        "static friction": of(lambda f, more: Rig([{"breakaway": {"Fc": f, "Fs": f * more}}], levels=(f, f * more)), (5, 10), (1.5, 3)),
         "a wall": of(lambda at, e: Rig([{"impact": {"x0": at, "e": e}}], wall=(at, e)), (-.06, -.03), (.4, .9)),
     }
 
 
 def stepped(rig, u):
-    """The motion in short steps: at rest friction holds up to its upper level, and who turns is at rest for an instant; a wall turns the speed."""
+    """The motion in short steps: static friction acts at rest, and a body that turns is at rest for an instant; a wall turns the speed."""
     h, every = 2e-5, 250
     slide, hold = rig.levels or (0.0, 0.0)
     at, left = rig.wall or (-np.inf, 0.0)

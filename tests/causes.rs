@@ -92,9 +92,9 @@ fn a_body_that_hangs_on_the_slider_is_found_with_the_drag_between_them() {
     holds(&searched(&drag, "body_drag"), &due);
 }
 
-/// It lets go at one level and slides at another, whatever the speed.
+/// Static friction, and a lower kinetic friction at every speed.
 #[test]
-fn friction_that_holds_more_than_it_rubs_is_found() {
+fn static_friction_is_found() {
     let stated = Slider { friction: 0.0, ..STATED }.constants();
     let folder = Scratch::new("breakaway");
     let rig = folder.path("rig.ron");

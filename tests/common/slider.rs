@@ -36,7 +36,7 @@ pub(crate) struct Slider {
     pub(crate) stiffness: f64,
     pub(crate) damping: f64,
     pub(crate) friction: f64,
-    /// By how much more it holds at rest than it rubs.
+    /// By how much static friction exceeds kinetic friction.
     pub(crate) holds: f64,
     /// By which part of itself the friction grows in a second.
     pub(crate) wear: f64,
@@ -92,7 +92,7 @@ impl Slider {
             let free = v + h * (beyond - self.stiffness * reach - self.damping * v - hangs) / self.mass;
             let held = if v == 0.0 { self.holds } else { 0.0 };
             let most = h * (self.friction * (1.0 + self.wear * step as f64 * h) + held) / self.mass;
-            // Who turns is at rest for an instant.
+            // A body that turns is at rest for an instant.
             let next = free - free.clamp(-most, most);
             v = if self.holds > 0.0 && v * next < 0.0 { 0.0 } else { next };
             w += h * hangs / m;

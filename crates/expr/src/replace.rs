@@ -1,7 +1,7 @@
 //! Expressions rebuilt: with other nodes in the place of some, or in another graph.
 
-use crate::Symbol;
 use crate::graph::{Graph, Id, Node};
+use crate::{Symbol, Unary};
 use std::collections::HashMap;
 
 impl Graph {
@@ -29,6 +29,22 @@ impl Graph {
             new.insert(id, node);
         }
         roots.iter().map(|id| new[id]).collect()
+    }
+
+    /// The expression with every `rest(w)` replaced by a number: 0 where all contacts slide, 1 where all stick.
+    ///
+    /// ```
+    /// # use phisindy_expr::*;
+    /// # let (mut g, mut n) = (Graph::default(), Names::default());
+    /// # let mut e = |g: &mut Graph, t: &str| g.lower(&parse(t).unwrap(), |s| Some(n.intern(s))).unwrap();
+    /// let (friction, kinetic) = (e(&mut g, "(a + b*rest(v))*sgn(v)"), e(&mut g, "a*sgn(v)"));
+    /// assert_eq!(g.with_rest(friction, 0.0), kinetic);
+    /// ```
+    pub fn with_rest(&mut self, root: Id, mode: f64) -> Id {
+        let mode = self.constant(mode);
+        let rest = |id: &Id| matches!(self.node(*id), Node::Unary(Unary::Rest, _));
+        let with = self.reachable(&[root]).into_iter().filter(rest).map(|id| (id, mode)).collect();
+        self.replace(&[root], &with)[0]
     }
 
     /// Expressions of another graph, built (and simplified) in this one. `with` maps nodes of `other`, its

@@ -120,7 +120,7 @@ decisions! {
     /// Starts of a law that enter the joint regression, best first.
     GRID_KEPT: usize = 9, "starts", Basis::Judgement("cost; the others are worse in the regression of the law alone");
     /// A body rests in a record where its smoothed speed is below this part of its standard deviation.
-    RESTS_BELOW: f64 = 0.1, "part", Basis::Judgement("smoothing leaves a tenth of a speed that stops at once");
+    RESTS_BELOW: f64 = 0.1, "part", Basis::Judgement("what smoothing leaves of a speed after a stop");
     /// A column is degenerate if projecting out the free columns leaves less.
     DEGENERATE: f64 = 1e-7, "of a column", Basis::Derived("rounding of a Gram matrix of some thousand rows");
     /// Decay rate of the linear response of a body that comes to rest.
@@ -287,10 +287,10 @@ decisions! {
     CONSTANT_OFF: f64 = 3.0, "factor", Basis::Judgement("a larger mistake would be seen by hand");
     /// Most constants of the spec that have changed.
     MOST_CHANGED: usize = 3, "constants", Basis::Judgement("with more of them it is another rig");
-    /// The speeds before and after a turn are those of so many samples beside it, and beyond these, up to so many.
-    BEFORE_AND_AFTER: [usize; 2] = [3, 6], "samples", Basis::Judgement("a line through three tells its slope; a bounce is longer than twice six");
-    /// Of the change of speed over the longer time that much happens within the shorter one where a body turns at once.
-    TURNS_AT_ONCE: f64 = 0.7, "part", Basis::Derived("half way from 0.4, a steady acceleration between the middles of these lines, to 1, an impact");
+    /// The speeds about a turn: of so many samples on either side, and of those beyond, up to so many.
+    TURN_SAMPLES: [usize; 2] = [3, 6], "samples", Basis::Judgement("three samples tell a slope; a bounce lasts longer than twelve");
+    /// A turn is an impact if this part of the change of speed happens within the shorter time.
+    SUDDEN: f64 = 0.7, "part", Basis::Derived("half way from 0.4, a steady acceleration, to 1, an impact");
     /// Choices of changed constants beside which another one is freed.
     CHANGES_KEPT: usize = 3, "models", Basis::Judgement("a mass and a stiffness do nearly the same to a resonance");
     /// Models with a free constant that are fitted in full.

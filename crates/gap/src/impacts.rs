@@ -1,6 +1,6 @@
-//! Impacts that the model lacks: a body that turns at once, where a wall or a floor stands.
+//! Impacts that the model lacks: the speed of a body turns suddenly, where a floor or a wall stands.
 
-use crate::decisions::{BEFORE_AND_AFTER, ON_THE_WAY, TURNS_AT_ONCE};
+use crate::decisions::{ON_THE_WAY, SUDDEN, TURN_SAMPLES};
 use crate::model::{Fitted, TrialModel};
 use crate::place::{Effect, Place, Site};
 use phisindy_learn::Effort;
@@ -22,14 +22,14 @@ struct Turn {
     /// The part of the speed that is left.
     left: f64,
     /// Whether it takes no time: the speed changes by as much within a short time as within a longer one.
-    at_once: bool,
+    sudden: bool,
 }
 
-/// The fit with the impact that brings it furthest, where a displacement turns at once and one does.
+/// The fit with the impact that leaves least, if it halves the gap at least.
 pub(crate) fn with_impact(of: &Fitted, noise: &[Vec<f64>]) -> Option<Fitted> {
-    let model = of.settled();
+    let impacts = impacts(&of.model);
     let models: Vec<TrialModel> =
-        impacts(&of.model).iter().filter_map(|effect| model.with(effect).ok()).collect();
+        impacts.iter().filter_map(|effect| of.settled().with(effect).ok()).collect();
     let fits = models.into_par_iter().filter_map(|m| Fitted::new(m, noise, Effort::Plain).ok());
     let best = fits.min_by(|a, b| a.score.fit.total_cmp(&b.score.fit))?;
     (best.score.fit < ON_THE_WAY * of.score.fit).then_some(best)
@@ -44,8 +44,9 @@ fn impacts(model: &TrialModel) -> Vec<Effect> {
         let mut turns: Vec<Turn> = fit().flat_map(|r| turns(r, state, below)).collect();
         let side = if below { 1.0 } else { -1.0 };
         turns.sort_by(|a, b| (side * a.at).total_cmp(&(side * b.at)));
-        // Of the turns that go as far as half of those at once most are at once, and two tell a wall from a disturbance.
-        let mut hits: Vec<Turn> = turns.iter().copied().filter(|turn| turn.at_once).collect();
+        // The wall is where the farther half of the sudden turns is. Most turns that go as far are sudden; one alone may be a
+        // disturbance.
+        let mut hits: Vec<Turn> = turns.iter().copied().filter(|turn| turn.sudden).collect();
         let far = hits.get(hits.len() / 2)?.at;
         let reach = |all: &[Turn]| all.iter().filter(|turn| side * turn.at <= side * far).count();
         let walled = hits.len() > 1 && 2 * reach(&hits) > reach(&turns);
@@ -60,21 +61,21 @@ fn turns(record: &Record, state: usize, below: bool) -> Vec<Turn> {
     let Some((time, column)) = record.own_column(state) else { return vec![] };
     let sign = if below { 1.0 } else { -1.0 };
     let z: Vec<f64> = column.iter().map(|z| sign * z).collect();
-    let [short, long] = BEFORE_AND_AFTER;
+    let [short, long] = TURN_SAMPLES;
     let line = |range: Range<usize>| line(&time[range.clone()], &z[range]);
     let lowest = |i: &usize| {
         let around = &z[i - long..=i + long];
         around.iter().all(|other| *other >= z[*i])
     };
     let last = z.len().saturating_sub(long);
-    // Both lines have errors: the change of speed has that of the noise in one step. Less than three of these is rest.
+    // The standard error of a change of speed is that of the noise over one step. Below three of them the body rests.
     let least = 3.0 * record.noise_level(state) / mean_step(&time);
     let turn = |i: usize| {
         let [(before, s), (after, t)] = [line(i - short..i), line(i + 1..i + 1 + short)];
         let [(_, earlier), (_, later)] = [line(i - long..i - short), line(i + 1 + short..i + 1 + long)];
         let meet = (before - after) / (t - s);
-        let at_once = s < 0.0 && t > 0.0 && t - s > TURNS_AT_ONCE * (later - earlier);
-        let turn = Turn { at: sign * (before + s * meet), left: -t / s, at_once };
+        let sudden = s < 0.0 && t > 0.0 && t - s > SUDDEN * (later - earlier);
+        let turn = Turn { at: sign * (before + s * meet), left: -t / s, sudden };
         (turn.at.is_finite() && t - s > least).then_some(turn)
     };
     (long..last).filter(lowest).filter_map(turn).collect()
@@ -130,7 +131,7 @@ mod tests {
     }
 
     #[test]
-    fn a_motion_that_turns_at_once_is_told_from_one_that_swings() {
+    fn a_motion_that_turns_sudden_is_told_from_one_that_swings() {
         let floor = r#"impacts: { "floor": (when: "z - 0.3", restitution: 0.8) },"#;
         let ceiling = r#"impacts: { "ceiling": (when: "0.3 - z", restitution: 0.8) },"#;
         assert_eq!(seen("-9.81", floor, r#""z": 2.0, "v": 0.0"#), [true]);

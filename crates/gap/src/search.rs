@@ -315,7 +315,7 @@ impl Search<'_> {
         let mut models = self.extended(model, now, screening);
         models.extend(self.richer(model, now));
         if !now.rests() {
-            models.extend(self.holding(model));
+            models.extend(self.static_friction(model));
         }
         let mut singles = self.fit_race(models, RACE, *candidates, vetoed);
         // What a leading law contains is fitted whatever its segments cost: on a coarse grid the richer law
@@ -334,16 +334,17 @@ impl Search<'_> {
             singles.extend(self.fit_race(with_memory, ALL, *candidates, vetoed));
             rank(&mut singles, *candidates);
         }
-        // The whole family of each new leader is fitted. Parameters of a narrow curve are hard to find by a
-        // regression, and easy from a fitted sibling.
+        // The whole family of the law that leaves least is fitted, and again where a sibling leaves less. Parameters of a
+        // narrow curve are hard to find by a regression, and easy from a fitted sibling.
         for _ in 0..FAMILY_ROUNDS {
-            let Some(leader) = singles.first().map(|f| placed(&f.model)) else { break };
-            singles.extend(self.fit_race(self.siblings(model, &singles), ALL, *candidates, vetoed));
-            rank(&mut singles, *candidates);
-            if placed(&singles[0].model) == leader {
+            let Some(leader) = nearest(&singles) else { break };
+            let (own, siblings) = (placed(&leader.model), self.siblings(model, leader));
+            singles.extend(self.fit_race(siblings, ALL, *candidates, vetoed));
+            if nearest(&singles).is_some_and(|leader| placed(&leader.model) == own) {
                 break;
             }
         }
+        rank(&mut singles, *candidates);
         singles
     }
 
@@ -410,13 +411,14 @@ impl Search<'_> {
     fn near(&self, models: Vec<TrialModel>, rival: Option<f64>) -> Vec<TrialModel> {
         let cost = |model: TrialModel| {
             let own = model.segment_cost(self.noise, SEEDED_STRIDE)?;
-            Some((model.remembers(), own, model))
+            Some((model.is_flattered(), own, model))
         };
         let costed: Vec<(bool, f64, TrialModel)> = models.into_par_iter().filter_map(cost).collect();
-        let limits = limits(RACE * RACE, rival, costed.iter().map(|(memory, cost, _)| (*memory, *cost)));
+        let limits =
+            limits(RACE * RACE, rival, costed.iter().map(|(flattered, cost, _)| (*flattered, *cost)));
         costed
             .into_iter()
-            .filter(|(memory, cost, _)| *cost <= limits[usize::from(*memory)])
+            .filter(|(flattered, cost, _)| *cost <= limits[usize::from(*flattered)])
             .map(|(.., model)| model)
             .collect()
     }
@@ -534,8 +536,7 @@ impl Search<'_> {
 
     /// Fits the models whose segment cost is within `race` of the best, sorted by the criterion, without
     /// those that evidence rules out. If the leader is ruled out, the race is repeated among the others,
-    /// which it may have eliminated wrongly. A law with memory has a start state more in every segment, so
-    /// its segments leave less whatever its force is: it does not race against laws without.
+    /// which it may have eliminated wrongly. Laws that short segments flatter do not race against the others.
     pub(crate) fn fit_race(
         &self,
         models: Vec<TrialModel>,
@@ -559,11 +560,11 @@ impl Search<'_> {
         // Fitted models with their segment costs.
         let mut done: Vec<(f64, Fitted)> = Vec::new();
         loop {
-            let raced = waiting.iter().map(|w| (w.model.remembers(), w.cost()));
-            let raced = raced.chain(done.iter().map(|(cost, f)| (f.model.remembers(), *cost)));
+            let raced = waiting.iter().map(|w| (w.model.is_flattered(), w.cost()));
+            let raced = raced.chain(done.iter().map(|(cost, f)| (f.model.is_flattered(), *cost)));
             let limits = limits(race, rival.map(|(_, cost)| cost), raced);
             let (now, later): (Vec<_>, Vec<_>) =
-                waiting.into_iter().partition(|w| w.cost() <= limits[usize::from(w.model.remembers())]);
+                waiting.into_iter().partition(|w| w.cost() <= limits[usize::from(w.model.is_flattered())]);
             done.extend(self.fitted(now, rival.map(|(fitted, _)| fitted), candidates));
             let by = Measure::of(done.iter().map(|(_, f)| &f.score), candidates);
             done.sort_by(|(_, a), (_, b)| by.criterion(&a.score).total_cmp(&by.criterion(&b.score)));
@@ -609,14 +610,14 @@ impl Search<'_> {
             };
             models.into_par_iter().filter_map(fit).collect()
         };
-        // The best over segments without memory goes first, then that with memory: a law that leaves more
+        // The best over segments goes first, then the best that these flatter: a law that leaves more
         // even on segments than one of them does in its runs need not be fitted to the end, unless evidence
         // rules that one out.
         let mut models = models;
         models.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
         let mut all: Vec<(f64, Fitted)> = Vec::new();
-        for remembers in [false, true] {
-            let first = models.iter().position(|w| w.model.remembers() == remembers);
+        for flattered in [false, true] {
+            let first = models.iter().position(|w| w.model.is_flattered() == flattered);
             if let Some(first) = first.filter(|_| leader.is_none()) {
                 let first = models.remove(first);
                 all.extend(fit(vec![first], strongest(&all)));
@@ -653,14 +654,19 @@ impl Search<'_> {
     }
 }
 
-/// Up to what segment cost models without memory, and with, stay in a race of these costs, each with whether
-/// its model has memory, and of a rival.
+/// Up to what segment cost models stay in a race of these costs, those that segments flatter beside the others; each cost
+/// with whether they flatter its model, and that of a rival.
 fn limits(race: f64, rival: Option<f64>, raced: impl Iterator<Item = (bool, f64)> + Clone) -> [f64; 2] {
-    let least = |memory: bool| {
-        let others = raced.clone().filter(|(other, _)| memory || !other);
+    let least = |flattered: bool| {
+        let others = raced.clone().filter(|(other, _)| flattered || !other);
         others.map(|(_, cost)| cost).fold(rival.unwrap_or(f64::INFINITY), f64::min)
     };
-    [false, true].map(|memory| race * least(memory))
+    [false, true].map(|flattered| race * least(flattered))
+}
+
+/// The model that leaves least of the Fit records.
+fn nearest(all: &[Fitted]) -> Option<&Fitted> {
+    all.iter().min_by(|a, b| a.score.fit.total_cmp(&b.score.fit))
 }
 
 /// The model with the least misfit that evidence does not rule out.

@@ -55,8 +55,8 @@ fn block_on_a_table_with_quadratic_drag() {
     assert_eq!(run.events.len(), 1);
 }
 
-/// A block on a belt, held by `Fs` and rubbed by `Fk` (R. A. Ibrahim 1994): it sticks for `2 (Fs - Fk)/(k vb)`, then slips along a
-/// circle about `Fk/k`.
+/// A block on a belt with static friction `Fs` and kinetic friction `Fk` (R. A. Ibrahim 1994). It sticks for
+/// `2 (Fs - Fk)/(k vb)`. Then it slips along a circle about `Fk/k`.
 #[test]
 fn a_block_that_breaks_away_sticks_and_slips_by_the_book() {
     let (fs, fk, vb) = (1.0, 0.6, 0.5);

@@ -451,9 +451,11 @@ impl TrialModel {
         phisindy_learn::single_run_cost(&self.system, &self.records, &self.smooth, noise)
     }
 
-    /// Whether a law with memory was added.
-    pub(crate) fn remembers(&self) -> bool {
-        self.effects.iter().any(|a| a.effect.entry.law.has_memory())
+    /// Whether short segments flatter it: a law with memory was added, which has a start state more in each of them, or
+    /// static friction, which holds whatever starts at rest.
+    pub(crate) fn is_flattered(&self) -> bool {
+        let flatters = |law: &Law| law.has_memory() || !law.static_levels().is_empty();
+        self.effects.iter().any(|a| flatters(&a.effect.entry.law))
     }
 
     /// Number of Fit records.

@@ -299,19 +299,6 @@ impl Regressors {
         parts < if self.internal.is_empty() { 2 } else { 1 }
     }
 
-    /// Coefficients and grid values that give these parameters, where each parameter is one of them.
-    pub(super) fn direct(&self, parameters: &[f64]) -> Option<(Vec<f64>, Vec<f64>)> {
-        let Back::Direct(of) = &self.back else { return None };
-        let (mut coefficients, mut grid) = (vec![0.0; self.columns.len()], vec![0.0; self.grid.len()]);
-        for (source, value) in of.iter().zip(parameters) {
-            match *source {
-                Ok(k) => coefficients[k] = *value,
-                Err(g) => grid[g] = *value,
-            }
-        }
-        Some((coefficients, grid))
-    }
-
     fn outputs(&self) -> usize {
         match &self.back {
             Back::Direct(of) => of.len(),

@@ -6,14 +6,14 @@ use crate::decisions::{JUST_SLIPS, NEARLY_BEST, SLOW};
 use crate::evaluate::{evaluated, speed};
 use crate::model::TrialModel;
 use crate::motion::Motion;
-use crate::place::{Effect, Site};
+use crate::place::{Effect, Site, bindings};
 
 use super::regressors::Regressors;
 use faer::Mat;
 use phisindy_expr::Tape;
 use phisindy_learn::Calibration;
-use phisindy_phys::LawEntry;
 use phisindy_phys::spec::Role;
+use phisindy_phys::{LawEntry, System};
 
 /// Start values of a law from the fitted force of a sibling at the same place. Regresses that force on the
 /// law's columns along the motion, for each value of the grid parameter, and keeps the starts that explain
@@ -29,7 +29,7 @@ pub(crate) fn sibling_starts(
     let mut motion = Motion::new(system, &model.records[r], &model.smooth[r], r, fitted);
     let start = entry.law.parameters.iter().map(|_| 0.0).collect();
     let wanted = Effect { entry: entry.clone(), start, mirror: false, ..sibling.clone() };
-    let (own, other) = (Regressors::new(sibling, system)?, Regressors::new(&wanted, system)?);
+    let other = Regressors::new(&wanted, system)?;
     // The friction of a contact at rest equals its value just before it slips.
     let speeds: Vec<f64> = speed(system, &motion, &sibling.place)?;
     let top = speeds.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
@@ -39,17 +39,14 @@ pub(crate) fn sibling_starts(
     for (i, speed) in speeds.iter().enumerate().filter(|(_, speed)| speed.abs() <= slow) {
         motion.states[i * n + state] += JUST_SLIPS * top * speed.signum() - speed;
     }
+    let force = force(sibling, system, &motion, |i| speeds[i].abs() <= slow)?;
+    let samples = motion.samples();
     let columns_of = |regressors: &Regressors, grid: &[f64]| -> Option<Vec<Vec<f64>>> {
         let mut all = system.arguments();
         all.extend(&regressors.symbols);
         let tape = Tape::compile(&regressors.graph, &all, &regressors.columns).ok()?;
         Some(evaluated(&tape, &motion, grid, &[]))
     };
-    let (coefficients, grid) = own.direct(&sibling.start)?;
-    let columns = columns_of(&own, &grid)?;
-    let samples = motion.samples();
-    let force: Vec<f64> =
-        (0..samples).map(|i| columns.iter().zip(&coefficients).map(|(c, k)| c[i] * k).sum()).collect();
     let grids: Vec<Vec<f64>> = match other.grid.len() {
         0 => vec![vec![]],
         1 => [0.01, 0.03, 0.1, 0.3].iter().map(|q| vec![q * top]).collect(),
@@ -67,4 +64,27 @@ pub(crate) fn sibling_starts(
     }
     let best = all.iter().map(|(gain, _)| *gain).fold(0.0, f64::max);
     Some(all.into_iter().filter(|(gain, _)| *gain > NEARLY_BEST * best).map(|(_, e)| e).collect())
+}
+
+/// The force of a law without memory along a motion, with its start values; `rests` tells the samples at rest.
+fn force(
+    effect: &Effect,
+    system: &System,
+    motion: &Motion,
+    rests: impl Fn(usize) -> bool,
+) -> Option<Vec<f64>> {
+    let of = effect.entry.law.nodes();
+    let mut system = system.clone();
+    let mut with = bindings(effect, &mut system).ok()?;
+    for (symbol, value) in of.parameters.iter().zip(&effect.start) {
+        with.entry(*symbol).or_insert(system.graph.constant(*value));
+    }
+    let force = if effect.mirror { of.mirror } else { of.force }?;
+    let [force] = system.graph.graft(&of.graph, &[force], &with).ok()?[..] else { return None };
+    let load = effect.load.as_ref().map_or(Some(None), |load| system.quantity(load).map(Some))?;
+    let force = load.map_or(force, |load| system.graph.mul(load, force));
+    let modes = [0.0, 1.0].map(|mode| system.graph.with_rest(force, mode));
+    let tape = Tape::compile(&system.graph, &system.arguments(), &modes).ok()?;
+    let both = evaluated(&tape, motion, &[], &[]);
+    Some((0..motion.samples()).map(|i| both[usize::from(rests(i))][i]).collect())
 }

@@ -7,7 +7,7 @@ use crate::place::{Effect, Place, Site, is_force};
 use crate::screen::{Candidate, Screening, excludes, sibling_starts};
 use phisindy_expr::{Scratch, Tape};
 use phisindy_phys::spec::Role;
-use phisindy_phys::{Law, LawEntry, LawParameter, LawRole};
+use phisindy_phys::{LawEntry, LawParameter};
 use phisindy_signal::standard_deviation;
 use rayon::prelude::*;
 
@@ -31,34 +31,31 @@ impl Search<'_> {
         all.into_iter().take(FITTED_IN_FULL).map(|(_, e)| vec![e]).collect()
     }
 
-    /// The friction laws that stick, at each body that rests in a record while what is known would move it: they hold what
-    /// pushes it there. Along a motion that mostly rests a regression sees little of them.
-    pub(crate) fn holding(&self, model: &TrialModel) -> Vec<TrialModel> {
-        let sticks = |e: &&LawEntry| e.law.sticks() && e.law.role(LawRole::Load).is_none();
+    /// The laws with static friction at each body that rests in a record: it is at least the largest known force there. A
+    /// regression along the motion shows only kinetic friction, which is less.
+    pub(crate) fn static_friction(&self, model: &TrialModel) -> Vec<TrialModel> {
         let mut all = Vec::new();
         for place in model.places() {
-            let Some(held) = held_at(model, place) else { continue };
-            let entries = self.catalogue.iter().filter(sticks).filter(|e| model.takes(&e.law, place));
-            // Of the levels of a law one holds, and all slide at less.
-            let start = |law: &Law| -> Vec<f64> {
-                let top = law.holding_levels();
-                let level = |k: usize| if top.is_empty() || top.contains(&k) { held } else { 0.5 * held };
-                let of = |(k, (_, p)): (usize, &(String, LawParameter))| {
-                    (if is_force(&p.unit) { level(k) } else { 0.0 }).clamp(p.within.0, p.within.1)
+            let Some(load) = load_at_rest(model, place) else { continue };
+            for entry in self.catalogue.iter().filter(|e| model.takes(&e.law, place)) {
+                let levels = entry.law.static_levels();
+                let start = |(k, (_, p)): (usize, &(String, LawParameter))| match is_force(&p.unit) {
+                    true if levels.contains(&k) => load,
+                    true => 0.5 * load,
+                    false => 0.0_f64.clamp(p.within.0, p.within.1),
                 };
-                law.parameters.iter().enumerate().map(of).collect()
-            };
-            let few = entries.filter(|e| e.law.parameters.iter().all(|(_, p)| is_force(&p.unit)));
-            let effects = few.map(|entry| Effect::new(entry.clone(), place.clone(), start(&entry.law)));
-            let new = effects.filter(|e| !model.effects.iter().any(|own| excludes(&own.effect, e)));
-            all.extend(new.filter_map(|e| model.with(&e).ok()));
+                let start = entry.law.parameters.iter().enumerate().map(start).collect();
+                let effect = Effect::new(entry.clone(), place.clone(), start);
+                if !levels.is_empty() && !model.effects.iter().any(|own| excludes(&own.effect, &effect)) {
+                    all.extend(model.with(&effect));
+                }
+            }
         }
         all
     }
 
     /// Every law of the family of the leading friction law, started from the leader's fitted force.
-    pub(crate) fn siblings(&self, model: &TrialModel, singles: &[Fitted]) -> Vec<TrialModel> {
-        let Some(leader) = singles.first() else { return vec![] };
+    pub(crate) fn siblings(&self, model: &TrialModel, leader: &Fitted) -> Vec<TrialModel> {
         let Some(last) = leader.model.effects.last() else { return vec![] };
         let effect = &last.effect;
         if effect.entry.law.has_memory() || leader.model.effects.len() != model.effects.len() + 1 {
@@ -226,8 +223,8 @@ impl Search<'_> {
     }
 }
 
-/// The largest known force on a body while it rests in the Fit records; `None` where it hardly does.
-fn held_at(model: &TrialModel, place: &Place) -> Option<f64> {
+/// The largest known force on a body while it rests in the Fit records; `None` where it hardly rests.
+fn load_at_rest(model: &TrialModel, place: &Place) -> Option<f64> {
     let system = &model.system;
     let Site::Force { velocity, state: Some(state), .. } = &place.site else { return None };
     if system.states[*state].node != velocity.node {
@@ -238,7 +235,7 @@ fn held_at(model: &TrialModel, place: &Place) -> Option<f64> {
     let tape = Tape::compile(&graph, &system.arguments(), &[force]).ok()?;
     let mut scratch = Scratch::<1>::new(&tape);
     let numbers: Vec<f64> = system.parameters.iter().map(|p| p.start).collect();
-    let (mut held, mut samples) = (vec![], 0);
+    let (mut load, mut slow, mut samples) = (0.0_f64, 0, 0);
     for record in model.smooth.iter().filter(|r| r.role == Role::Fit) {
         let speeds = record.columns[*state].as_deref()?;
         let size = standard_deviation(speeds);
@@ -247,14 +244,12 @@ fn held_at(model: &TrialModel, place: &Place) -> Option<f64> {
             let states = record.columns[..system.states.len()].iter();
             let states = states.map(|c| c.as_ref().map_or(0.0, |c| c[i]));
             scratch.at(record.arguments_at(i, states, &numbers));
-            held.push(scratch.output(0)[0].abs());
+            slow += 1;
+            load = load.max(scratch.output(0)[0].abs());
         }
     }
-    // A motion that never rests is as slow as that for a part of its time: of a sine it is 2/pi of the bound.
-    if (held.len() as f64) < 4.0 * RESTS_BELOW * samples as f64 {
-        return None;
-    }
-    held.into_iter().filter(|force| force.is_finite()).max_by(f64::total_cmp).filter(|force| *force > 0.0)
+    // A sine is as slow as that for a twentieth of its time; this asks for two fifths.
+    (slow as f64 >= 4.0 * RESTS_BELOW * samples as f64 && load > 0.0 && load.is_finite()).then_some(load)
 }
 
 /// The laws of a law's family without internal states; none if it has no family.

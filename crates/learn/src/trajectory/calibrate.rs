@@ -280,7 +280,7 @@ impl<'a> Stage<'a> {
         // With other numbers a body rests that broke away before.
         for _ in 0..RESTARTS {
             let mut other = x.clone();
-            if !problem.start_nearer(&mut other, starts) {
+            if !problem.start_anew(&mut other, starts) {
                 break;
             }
             let end = problem.minimise(&mut other, &weights, limits)?.cost;

@@ -130,24 +130,30 @@ impl Problem<'_> {
         weights: &[Vec<Vec<f64>>],
         window: usize,
     ) -> Result<f64, SimError> {
-        let parts: Vec<f64> = self
-            .segments
-            .par_iter()
-            .map(|s| {
-                let sampled = self.run(s, x, false)?;
-                let of = |part| sum_of_squares(&self.misses(s, x, weights, &sampled, (part, window)));
-                let parts = parts(s).map(of).fold(0.0, |sum, part| sum + part);
-                let means = self.window_means(s, x, weights, &sampled, window);
-                let means = means.iter().fold(0.0, |sum, mean| sum + mean.miss * mean.miss);
-                Ok(parts + means + sum_of_squares(&self.joint_misses(s, x, &sampled)))
-            })
-            .collect::<Result<_, _>>()?;
+        let cost = |s| self.cost_along(s, x, weights, window);
+        let parts: Vec<f64> = self.segments.par_iter().map(cost).collect::<Result<_, _>>()?;
         let prior = |&(k, centre, sigma): &(usize, f64, f64)| {
             let r = (x[k] - centre) / sigma;
             self.belief * r * r
         };
         let all = parts.into_iter().chain(self.priors.iter().map(prior));
         Ok(all.fold(0.0, |sum, part| sum + part))
+    }
+
+    /// The cost of one segment.
+    pub(crate) fn cost_along(
+        &self,
+        segment: &Segment,
+        x: &[f64],
+        weights: &[Vec<Vec<f64>>],
+        window: usize,
+    ) -> Result<f64, SimError> {
+        let sampled = self.run(segment, x, false)?;
+        let of = |part| sum_of_squares(&self.misses(segment, x, weights, &sampled, (part, window)));
+        let parts = parts(segment).map(of).fold(0.0, |sum, part| sum + part);
+        let means = self.window_means(segment, x, weights, &sampled, window);
+        let means = means.iter().fold(0.0, |sum, mean| sum + mean.miss * mean.miss);
+        Ok(parts + means + sum_of_squares(&self.joint_misses(segment, x, &sampled)))
     }
 
     /// The weighted residuals of some samples of a segment: one by one those of each measured column.

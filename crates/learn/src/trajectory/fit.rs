@@ -5,12 +5,11 @@
 //! worse than its segments (it drifts or is unstable) stays segmented.
 
 use crate::decisions::{
-    BUDGET_BASE, BUDGET_FACTOR, CHAIN_MINIMUM, DRIFT, FINE_MINIMUM, FIRST_NOISE, HOP_GAIN, HOPELESS, HOPS,
+    BUDGET_BASE, BUDGET_FACTOR, CHAIN_MINIMUM, DRIFT, FINE_MINIMUM, HOP_GAIN, HOPELESS, HOPS,
     LIKELIHOOD_GAIN, REFIT_ITERATIONS, ROUGH_MINIMUM, SPOILED, STAGES, START_GAIN, STRAIGHT_PROMISE,
     TIGHTENING, TRIAL_MINIMUM, WHITE_EXCESS, WHITE_PART,
 };
 use crate::least_squares::{Limits, Normal};
-use crate::trajectory::noise::ColumnNoise;
 use crate::trajectory::problem::{Meaning, Noise, Problem};
 use crate::trajectory::random_force::RandomForce;
 use crate::trajectory::tally::{Tally, inflation, tally, weighed, whitened, whitened_by};
@@ -93,7 +92,7 @@ impl<'a> Context<'a> {
                 if let Some(fit) = from {
                     transfer(&fit.problem, &fit.x, &problem, &mut x);
                 }
-                let noise = self.first_noise(&problem);
+                let noise = problem.first_noise();
                 self.settle(problem, x, noise, 1)
             };
             let mut fit = begun(&values, parameters.as_deref(), before.as_ref().map(|(_, fit)| fit));
@@ -158,7 +157,7 @@ impl<'a> Context<'a> {
         if misfit(&problem, &x)? > DRIFT * short {
             return None;
         }
-        let noise = self.first_noise(&problem);
+        let noise = problem.first_noise();
         let Fit { problem, x, noise, .. } = self.settle(problem, x, noise, 1)?;
         if misfit(&problem, &x)? > SPOILED * short {
             return None;
@@ -386,12 +385,6 @@ impl<'a> Context<'a> {
             }
             None => fit,
         }
-    }
-
-    /// The noise before the first fit: a fixed part of each column's standard deviation.
-    pub(crate) fn first_noise(&self, problem: &Problem<'_>) -> Noise {
-        let one = |d: &f64| ColumnNoise { additive: FIRST_NOISE * d.max(f64::MIN_POSITIVE), relative: 0.0 };
-        problem.deviations.iter().map(|columns| columns.iter().map(one).collect()).collect()
     }
 
     /// Root mean square of all residuals in units of their columns.

@@ -28,7 +28,7 @@ impl<'a> Context<'a> {
             return None;
         }
         let (_, problem, x) = self.along_parts(&fit.problem.terms, coefficients, &GROWTH)?;
-        let noise = self.first_noise(&problem);
+        let noise = problem.first_noise();
         let found = self.settle(problem, x, noise, 3)?;
         (self.misfit(&found)? < (1.0 - START_GAIN) * self.misfit(fit)?).then_some(found)
     }
@@ -52,7 +52,7 @@ impl<'a> Context<'a> {
     ) -> Option<(f64, Problem<'a>, Vec<f64>)> {
         let single = vec![1; self.records.len()];
         let mut problem = self.cut(terms, &single)?;
-        let weights = problem.weights(&self.first_noise(&problem), None);
+        let weights = problem.weights(&problem.first_noise(), None);
         let whole: Vec<(usize, usize)> = problem.segments.iter().map(|s| s.samples).collect();
         let estimated = problem.guess(coefficients, None, &self.smooth);
         let mut at_rest = estimated.clone();
@@ -104,7 +104,7 @@ mod tests {
             stop: Default::default(),
         };
         let problem = Problem::new(&case.system, &[0], &context.records, &[1]).expect("a problem");
-        let noise = context.first_noise(&problem);
+        let noise = problem.first_noise();
         let stuck = context.settle(problem, vec![0.9, 0.0, -1.0], noise, 3).expect("a fit");
         assert!(!stuck.is_white() && (stuck.x[0] - 0.3).abs() > 0.1, "{:?}", stuck.x);
         let found = context.grown(&stuck, &[0.5]).expect("a better fit");

@@ -1,7 +1,9 @@
 //! The trajectory fit as a least-squares problem: simulations, predictions of the sensors, residuals,
 //! weights. [`super::layout`] says what the unknowns are, [`super::cost`] differentiates.
 
-use crate::decisions::{BASE_STEPS, DIVERGED_SIZE, NOISE_FLOOR, SAME_TIME, STEPS_PER_SAMPLE, TOLERANCE};
+use crate::decisions::{
+    BASE_STEPS, DIVERGED_SIZE, FIRST_NOISE, NOISE_FLOOR, SAME_TIME, STEPS_PER_SAMPLE, TOLERANCE,
+};
 use crate::result::error::ModelError;
 use crate::trajectory::delayed_samples::{DelayedSamples, Lateness, SampledRun};
 use crate::trajectory::filter::Gains;
@@ -182,12 +184,12 @@ impl<'a> Problem<'a> {
         filled: &[Record],
     ) -> Vec<f64> {
         let mut x = self.numbers(coefficients, parameters);
-        self.start_on(&mut x, filled);
+        self.start_from(&mut x, filled);
         x
     }
 
     /// Starts the segments where the columns say.
-    pub(crate) fn start_on(&self, x: &mut [f64], filled: &[Record]) {
+    pub(crate) fn start_from(&self, x: &mut [f64], filled: &[Record]) {
         for segment in &self.segments {
             let record = &filled[segment.record];
             for state in 0..self.system.states.len() {
@@ -197,7 +199,13 @@ impl<'a> Problem<'a> {
             }
         }
         self.leave_singularities(x, filled);
-        self.stand_still(x);
+        self.start_at_rest(x);
+    }
+
+    /// The noise before the first fit: a fixed part of each column's standard deviation.
+    pub(crate) fn first_noise(&self) -> Noise {
+        let one = |d: &f64| ColumnNoise { additive: FIRST_NOISE * d.max(f64::MIN_POSITIVE), relative: 0.0 };
+        self.deviations.iter().map(|columns| columns.iter().map(one).collect()).collect()
     }
 
     /// Coefficients and parameters as given, or where the spec starts them; start states are 0.

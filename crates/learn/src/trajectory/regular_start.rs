@@ -1,5 +1,5 @@
 //! Start states from which a fit can move. At some the rates have no finite slopes: `sqrt(|h|)` has none at zero, where a
-//! state without a column would start. From others a body breaks away that rests in truth.
+//! state without a column would start. From others a body breaks away that rests.
 
 use crate::decisions::HOP_GAIN;
 use crate::trajectory::jacobian::{Jacobian, Singular};
@@ -34,51 +34,55 @@ impl Problem<'_> {
         }
     }
 
-    /// Lets a contact rest at the start of a segment where the run then misses clearly less. Friction that holds more than it
-    /// rubs makes a body at rest, whose speed is known with an error, break away.
-    pub(crate) fn stand_still(&self, x: &mut [f64]) {
-        let n = self.system.states.len();
+    /// Starts segments with a contact at rest where they then miss clearly less. With static friction above kinetic friction a
+    /// body at rest would break away, for its speed is known with an error.
+    pub(crate) fn start_at_rest(&self, x: &mut [f64]) {
         for contact in self.breaking_away() {
-            let better = |segment: &Segment| {
+            self.start_better(x, |segment, x| {
                 let (speed, rest) = self.at_rest(segment, x, contact);
-                if speed == 0.0 {
-                    return None;
-                }
-                let mut still = x.to_vec();
-                still[segment.start..segment.start + n].copy_from_slice(&rest);
-                let most = HOP_GAIN * self.misfit_along(segment, x).unwrap_or(f64::INFINITY);
-                (self.misfit_along(segment, &still)? < most).then_some((segment.start, rest))
-            };
-            let all: Vec<_> = self.segments.par_iter().filter_map(better).collect();
-            all.into_iter().for_each(|(start, rest)| x[start..start + n].copy_from_slice(&rest));
+                (speed != 0.0).then_some(rest)
+            });
         }
     }
 
-    /// Starts each segment from the smoothed motion, at rest or not, where it then misses less; returns whether any does.
-    pub(crate) fn start_nearer(&self, x: &mut [f64], filled: &[Record]) -> bool {
+    /// Starts segments from the smoothed motion, moving or at rest, where they then miss clearly less. Returns whether any do.
+    pub(crate) fn start_anew(&self, x: &mut [f64], filled: &[Record]) -> bool {
         if self.breaking_away().next().is_none() {
             return false;
         }
-        let n = self.system.states.len();
         let mut fresh = x.to_vec();
-        self.start_on(&mut fresh, filled);
-        let better = |segment: &&Segment| {
-            let [now, then] = [&*x, &fresh].map(|x| self.misfit_along(segment, x).unwrap_or(f64::INFINITY));
-            then < HOP_GAIN * now
-        };
-        let all: Vec<&Segment> = self.segments.par_iter().filter(better).collect();
-        all.iter().for_each(|s| x[s.start..s.start + n].copy_from_slice(&fresh[s.start..s.start + n]));
-        !all.is_empty()
+        self.start_from(&mut fresh, filled);
+        let n = self.system.states.len();
+        self.start_better(x, |segment, _| Some(fresh[segment.start..segment.start + n].to_vec()))
     }
 
-    /// Lets a step from one point to another end where a contact that would turn comes to rest, and leaves at rest what is:
-    /// beyond, a body breaks away that was held, and the cost jumps.
+    /// Starts segments from another state where they then miss clearly less. Returns whether any do.
+    fn start_better(
+        &self,
+        x: &mut [f64],
+        other: impl Fn(&Segment, &[f64]) -> Option<Vec<f64>> + Sync,
+    ) -> bool {
+        let (n, weights) = (self.system.states.len(), self.weights(&self.first_noise(), None));
+        let better = |segment: &Segment| {
+            let start = other(segment, x)?;
+            let mut trial = x.to_vec();
+            trial[segment.start..segment.start + n].copy_from_slice(&start);
+            let [now, then] = [&*x, &trial].map(|x| self.cost_along(segment, x, &weights, 1));
+            (then.ok()? < HOP_GAIN * now.unwrap_or(f64::INFINITY)).then_some((segment.start, start))
+        };
+        let better: Vec<(usize, Vec<f64>)> = self.segments.par_iter().filter_map(better).collect();
+        better.iter().for_each(|(at, start)| x[*at..at + n].copy_from_slice(start));
+        !better.is_empty()
+    }
+
+    /// Ends a step of a fit where a contact that would turn comes to rest, and leaves a contact at rest: beyond, a body breaks
+    /// away that static friction holds, and the cost jumps.
     pub(crate) fn stop_at_rest(&self, from: &[f64], to: &mut [f64]) {
         let n = self.system.states.len();
         for contact in self.breaking_away() {
             for segment in &self.segments {
-                let (before, (after, rest)) =
-                    (self.at_rest(segment, from, contact).0, self.at_rest(segment, to, contact));
+                let (before, _) = self.at_rest(segment, from, contact);
+                let (after, rest) = self.at_rest(segment, to, contact);
                 if before == 0.0 || before * after < 0.0 {
                     to[segment.start..segment.start + n].copy_from_slice(&rest);
                 }
@@ -86,27 +90,10 @@ impl Problem<'_> {
         }
     }
 
-    /// The contacts that can stick, of a model in which some hold more than they rub.
+    /// The contacts that can stick, of a model with static friction above kinetic friction.
     fn breaking_away(&self) -> impl Iterator<Item = usize> + use<'_> {
         let all = self.automaton.switches.iter().enumerate().filter(|_| self.automaton.breaks_away);
         all.filter(|(_, switch)| switch.can_stick).map(|(contact, _)| contact)
-    }
-
-    /// The sum of squares of what a run along a segment misses, in units of the columns.
-    fn misfit_along(&self, segment: &Segment, x: &[f64]) -> Option<f64> {
-        let run = self.run(segment, x, false).ok()?;
-        let (r, columns) = (segment.record, &self.records[segment.record].columns);
-        let mut sum = 0.0;
-        for (k, column) in columns.iter().enumerate() {
-            let Some(column) = column else { continue };
-            let size = self.deviations[r][k].max(f64::MIN_POSITIVE);
-            for (i, sample) in (segment.samples.0..segment.samples.1).enumerate() {
-                if self.tells(r, k, sample) {
-                    sum += ((self.reading(r, k, x, run.value(i, k).0).0 - column[sample]) / size).powi(2);
-                }
-            }
-        }
-        Some(sum)
     }
 
     /// The size of a state: of measured ones with its unit the mean magnitude.

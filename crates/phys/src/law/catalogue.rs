@@ -124,7 +124,7 @@ mod tests {
                 "stribeck"
             ]
         );
-        assert_eq!(those(|law| !law.holding_levels().is_empty()), ["breakaway"]);
+        assert_eq!(those(|law| !law.static_levels().is_empty()), ["breakaway"]);
         assert_eq!(those(Law::has_clearance), ["dead-zone", "one-sided-stop"]);
         assert_eq!(
             those(Law::has_memory),

@@ -37,16 +37,12 @@ impl Law {
         crate::system::equations::contains_sign(&mut of.graph.clone(), &[force], v) && self.jumps(force, v)
     }
 
-    /// The parameters that do nothing while it slides: what it holds at rest.
-    pub fn holding_levels(&self) -> Vec<usize> {
+    /// The parameters that act at rest only: levels of static friction.
+    pub fn static_levels(&self) -> Vec<usize> {
         let of = &self.compiled;
         let Some(force) = of.force else { return vec![] };
         let mut graph = of.graph.clone();
-        let zero = graph.constant(0.0);
-        let at_rest = |id: &Id| matches!(graph.node(*id), Node::Unary(Unary::Rest, _));
-        let sliding: HashMap<Id, Id> =
-            graph.reachable(&[force]).into_iter().filter(at_rest).map(|id| (id, zero)).collect();
-        let sliding = graph.replace(&[force], &sliding);
+        let sliding = [graph.with_rest(force, 0.0)];
         let only_at_rest = |k: &usize| {
             graph.uses(&[force], &[of.parameters[*k]]) && !graph.uses(&sliding, &[of.parameters[*k]])
         };

@@ -184,7 +184,7 @@ fn a_known_model_never_ends_above_where_its_spec_starts() {
             .position(|m| matches!(m, crate::trajectory::problem::Meaning::Parameter(..)))
             .unwrap();
         x[w] = 1.3 * due;
-        let noise = auto.first_noise(&problem);
+        let noise = problem.first_noise();
         let astray = auto.settle(problem, x, noise, 3).unwrap();
         assert!((astray.x[w] / due - 1.0).abs() > 0.05, "{}", astray.x[w] / due);
         let straight = auto.straight(&astray);
@@ -206,7 +206,7 @@ fn pieces_are_joined_unless_the_run_drifts() {
         let auto = context(&case, &records, SegmentsSpec::Auto);
         let problem = Problem::new(&case.system, &[0], &auto.records, &[5]).unwrap();
         let x = problem.guess(&[0.4], None, &records);
-        let noise = auto.first_noise(&problem);
+        let noise = problem.first_noise();
         assert_relative_eq!(noise[0][0].additive, 0.1 * standard_deviation(&samples), max_relative = 1e-12);
         let cut = auto.settle(problem, x, noise, 3).unwrap();
         assert_eq!(cut.pieces, [5]);

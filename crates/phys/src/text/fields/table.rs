@@ -310,7 +310,7 @@ group! { LAW = "a law", None;
     Field("parameters", Map(&Declares(Parameter), &Group(&PARAMETER)), "map of numbers to be found to [what they may be](#a-parameter-of-a-law)", Is("")),
     Field("given", Map(&Declares(Given), &Tuple(&[Number, Unit])), "map of numbers that are held: `{ \"V\": (1.0, \"m/s\") }`", Is("")),
     Field("internal", Map(&Declares(Internal), &Group(&INTERNAL)), "map of states of its own to [their rates](#an-internal-state)", Is("")),
-    Field("force", Expression, "what is subtracted, in newtons; names that the law does not declare are those of the model, and `t` is the time since the first sample of all records", Is("")),
+    Field("force", Expression, "what is subtracted, in newtons; names that the law does not declare are those of the model; `t` counts from the first sample of all records", Is("")),
     Field("push", Expression, "in place of `force`: what is added", Is("")),
     Field("sensor", One(&[Quoted("offset"), Quoted("gain"), Quoted("delay")]), "in place of `force`: `\"offset\"`, `\"gain\"` or `\"delay\"` of a column, or of all; the one parameter is its value", Is("")),
     Field("input", One(&[Expression, Quoted("gain"), Quoted("delay")]), "in place of `force`: what acts where the model has the recorded input `u`, as an expression of `u`, parameters and internal states: `\"dead(u, d)\"`, `\"gain*u\"`; an input is measured in `\"N\"` here, whatever its unit. Or `\"delay\"`: the input of a while ago", Is("")),
