@@ -2,9 +2,10 @@
 
 use crate::alternative_constant::alternative_constant;
 use crate::data_mistakes::data_mistakes;
-use crate::decisions::{MOST_OF_RESIDUAL, REPEATS, SAME_FREQUENCY, SUBSTANTIAL, SURE};
+use crate::decisions::{MOST_OF_RESIDUAL, REPEATS, SAME_FREQUENCY, SUBSTANTIAL, SURE, WORTH};
 use crate::drive::Drive;
 use crate::drive_frequency::drive_frequency;
+use crate::evidence::against;
 use crate::formula::{DISCOVERED, expansion};
 use crate::input_interpolation::{Redrawn, beyond_noise, coarse_inputs, redrawn};
 use crate::model::{
@@ -28,6 +29,7 @@ use phisindy_learn::{
 };
 use phisindy_phys::spec::Role;
 use phisindy_signal::Interpolation;
+use rayon::prelude::*;
 
 /// The state after the search: the verdict, other explanations and the result follow from it.
 pub(crate) struct Ending<'s, 'a> {
@@ -131,6 +133,7 @@ impl<'s, 'a> Ending<'s, 'a> {
         self.warnings.extend(input_errors(&self.last).into_iter().map(Warning::InputError));
         self.warnings.extend(at_bounds(&self.last.cal.parameters).into_iter().map(Warning::Fit));
         self.warnings.extend(sensitive_starts(&self.last.cal.records).into_iter().map(Warning::Fit));
+        self.compare_near_rivals();
         let steps: Vec<Step> = (0..self.last.model.effects.len()).map(|k| self.step(k)).collect();
         // No result claims more than its own probability, and a formula no more than that of a force without one.
         let unlikely = |s: &Step| s.probability.is_some() && !s.is_sure();
@@ -511,6 +514,27 @@ impl<'s, 'a> Ending<'s, 'a> {
         let out = std::mem::take(&mut self.rounds).into_iter().flat_map(|round| round.vetoed).collect();
         self.rounds = vec![round_from(0, &self.base, &self.last, &[before.0], out, self.candidates)];
         Ok(Some(self.last.model.effects.len()))
+    }
+
+    /// Fits the near rivals of the last round as hard as the final model was, beside the noise that it leaves: a race ends with
+    /// rougher fits. One that evidence rules out there is none.
+    fn compare_near_rivals(&mut self) {
+        let Ending { last, noise, rounds, candidates, .. } = self;
+        let Some(round) = rounds.iter_mut().max_by_key(|round| round.before) else { return };
+        if !last.score.explains() || round.before >= last.model.effects.len() {
+            return;
+        }
+        let compared = |mut rival: Rival| {
+            let Some(model) = rival.model.as_deref().filter(|_| rival.delta_bic < WORTH) else {
+                return Some(rival);
+            };
+            let Ok(fitted) = Fitted::new(model.clone(), noise, Effort::Thorough) else { return Some(rival) };
+            let by = Measure::of([&fitted.score, &last.score], *candidates);
+            rival.delta_bic = by.criterion(&fitted.score) - by.criterion(&last.score);
+            let stands = fitted.model.effects.iter().all(|a| against(&fitted, &a.effect).is_none());
+            stands.then_some(rival)
+        };
+        round.rivals = std::mem::take(&mut round.rivals).into_par_iter().filter_map(compared).collect();
     }
 
     /// By how much later effects lowered the criterion of the model with which a round ended.
