@@ -584,8 +584,8 @@ fn records_of_other_columns_do_not_overlap() {
     assert!(check("est").contains("shows what"), "{}", check("est"));
 }
 
-/// A window is in seconds. One that keeps all rows or none in seconds, and some in the unit of its time, is in that
-/// unit, and told.
+/// A window is in seconds, also one that is a little longer than its file. One that keeps all rows or none in seconds, and
+/// some in the unit of its time, is in that unit, and told.
 #[test]
 fn a_window_in_the_unit_of_its_time_is_taken_so_and_told() {
     let rows = (0..800).fold("t,x\n".to_owned(), |mut all, k| {
@@ -603,6 +603,10 @@ fn a_window_in_the_unit_of_its_time_is_taken_so_and_told() {
     };
     let (seconds, said) = of("window_s", "(1.0, 4.0)");
     assert!(seconds == Some(301) && !said.contains("is taken in"), "{seconds:?} {said}");
+    for (name, window) in [("window_whole", "(0.0, 8.0)"), ("window_long", "(0.0, 20.0)")] {
+        let (samples, said) = of(name, window);
+        assert!(samples == Some(800) && !said.contains("is taken in"), "{samples:?} {said}");
+    }
     for (name, window) in [("window_ms", "(1000.0, 4000.0)"), ("window_from_0", "(0.0, 3000.0)")] {
         let (samples, said) = of(name, window);
         assert!(

@@ -255,7 +255,7 @@ decisions! {
     /// An elastic contact whose force stays below this never slips.
     SLIPS: f64 = 0.5, "of the level", BLIND;
     /// A damper whose force at slow motion is a larger part of that at quick motion is dry friction.
-    LEVEL: f64 = 0.9, "of the force", Basis::Judgement("dry friction of a joint scatters by a tenth from speed to speed");
+    LEVEL: f64 = 0.95, "of the force", Basis::Convention("forces that differ by less than a twentieth are one");
     // The end.
 
     /// This number of effects can hide whatever is missing.

@@ -88,3 +88,30 @@ fn force(
     let both = evaluated(&tape, motion, &[], &[]);
     Some((0..motion.samples()).map(|i| both[usize::from(rests(i))][i]).collect())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_models::{effect, fitted, model};
+
+    /// Static friction is the force at rest, kinetic friction that in motion: Stribeck's law starts between these levels.
+    #[test]
+    fn the_force_of_static_friction_at_rest_is_its_static_level() {
+        let (base, noise) = model(
+            r#"(states: { "x": "m", "v": "m/s" }, constants: { "k": (1.0, "N/m"), "m": (1.0, "kg"), "F0": (0.8, "N") },
+            known: { "x": "v", "v": "(-k*x + F0*cos(0.3*t))/m" }, inertia: { "v": "m" }, contacts: ["v"], unknown: {},
+            data: [ Synthetic(truth: { "v": "-(0.2 + 0.3*rest(v))*sgn(v)" }, start: { "x": 1.0, "v": 0.0 }, duration: 40.0, step: 0.05,
+                measure: ["x"], noise: Additive(0.01), seed: 1) ])"#,
+        );
+        let law = include_str!("../../../phys/laws/breakaway.ron");
+        let breakaway = effect(&base, "breakaway", law, "v", &[0.2, 0.5]);
+        let stribeck = LawEntry::read("stribeck", include_str!("../../../phys/laws/stribeck.ron"));
+        let fit = fitted(base.with(&breakaway).expect("a model"), &noise);
+        let starts =
+            sibling_starts(&fit.model, &fit.cal, &breakaway, &stribeck.expect("a law")).expect("starts");
+        assert!(!starts.is_empty());
+        for start in starts.iter().map(|effect| &effect.start) {
+            assert!((start[0] - 0.2).abs() < 0.05 && start[1] > 0.35 && start[1] < 0.55, "{start:?}");
+        }
+    }
+}

@@ -19,7 +19,7 @@ use phisindy_phys::{
     link_continuations, overlaps, suspicions, unit::Unit,
 };
 use phisindy_signal::{Interpolation, Signal, mean_step, strongest_line};
-use phisindy_sim::{SyntheticError, Trajectory, synthesize};
+use phisindy_sim::{SimError, SyntheticError, Trajectory, synthesize};
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
@@ -493,31 +493,36 @@ impl<'r> Loader<'r> {
         let made = synthesize(plan, truth, &case.system, seed, &file);
         let mistakes = mistakes.into_inner();
         made.map_err(|error| {
-            let numerics = matches!(error, SyntheticError::Simulation(_));
+            let help = match &error {
+                SyntheticError::Simulation(SimError::TooManyEvents { .. }) => {
+                    Some("a friction may push there: one that is less at rest than in motion, or `rest` without a sign")
+                }
+                SyntheticError::Simulation(_) => {
+                    Some("`known` and `truth` may grow without bound, or divide by zero, from this start")
+                }
+                _ => None,
+            };
             if mistakes.is_empty() {
                 let d = Diagnostic::error(format!("record `{}`: {error}", plan.name));
-                self.push(if numerics {
-                    d.help("`known` and `truth` may grow without bound, or divide by zero, from this start")
-                } else {
-                    d
-                });
+                self.push(help.iter().fold(d, |d, help| d.help(*help)));
             }
             mistakes.into_iter().for_each(|d| self.push(d));
-            if numerics { Refusal::Numerics } else { Refusal::Input }
+            if help.is_some() { Refusal::Numerics } else { Refusal::Input }
         })
     }
 }
 
 /// The record with its window in seconds, where it was written in the unit of the time: taken as seconds it
-/// would keep all rows or none, in that unit it keeps some.
+/// would keep all rows or none, in that unit it keeps some, and its length is nearer to that of the file.
 fn in_the_unit_of_time(csv: &CsvSpec, units: &Units, table: &Table) -> Option<CsvSpec> {
     let ((first, last), (from, to)) = (table.extent?, csv.window.as_ref()?);
     let cuts = |factor: f64| {
         let (from, to) = (factor * from.value, factor * to.value);
         from < last && to > first && (from > first || to < last)
     };
+    let off = |factor: f64| (factor * (to.value - from.value) / (last - first)).ln().abs();
     let factor = units.time.factor;
-    (factor != 1.0 && !cuts(1.0) && cuts(factor)).then(|| {
+    (factor != 1.0 && !cuts(1.0) && cuts(factor) && off(factor) < off(1.0)).then(|| {
         let seconds = |at: &Number| Number { value: at.value * factor, ..at.clone() };
         CsvSpec { window: Some((seconds(from), seconds(to))), ..csv.clone() }
     })

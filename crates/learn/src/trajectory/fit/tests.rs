@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::line_models::{STEP, fitted_terms, lever, records, scatter};
+use crate::trajectory::noise::ColumnNoise;
 use crate::trajectory::problem::ColumnResidual;
 use approx::assert_relative_eq;
 use phisindy_phys::Case;
