@@ -4,7 +4,7 @@
 
 use crate::changed_constants::changeable;
 use crate::decisions::{CONSTANTS_FITTED, CONSTANTS_SCREENED, FITTED_IN_FULL, RACE, SIMPLER, WORTH};
-use crate::evidence::against;
+use crate::evidence::stands;
 use crate::model::{Fitted, Measure, TrialModel, current};
 use crate::place::{Effect, Site};
 use crate::result::{AlternativeConstant, NamedValue, PlacedLaw};
@@ -52,7 +52,7 @@ pub(crate) fn alternative_constant(
             .enumerate()
             .map(|(k, worse)| (worse, k))
             .filter(|(worse, k)| fitted[*k].1.score.explains() && *worse < limit(&fitted[*k].1))
-            .filter(|(_, k)| !strict || passes_evidence(&fitted[*k].1))
+            .filter(|(_, k)| !strict || stands(&fitted[*k].1))
             .min_by(|a, b| a.0.total_cmp(&b.0))
     };
     // A wrong constant may have misled the search from the first round, so the catalogue is screened again.
@@ -77,7 +77,7 @@ pub(crate) fn alternative_constant(
     let as_stated = || Fitted::new(base.with_all(&current(&best)).ok()?, noise, Effort::Plain).ok();
     let needed = !last.score.explains() && !best.model.effects.is_empty();
     let without = if needed { as_stated() } else { None };
-    let without = without.filter(|f| f.score.explains() && passes_evidence(f));
+    let without = without.filter(|f| f.score.explains() && stands(f));
     let constant = AlternativeConstant {
         constant: NamedValue { name, value: value / factor, unit },
         stated,
@@ -92,11 +92,6 @@ pub(crate) fn alternative_constant(
 /// Whether the model with a free constant needs fewer parameters than `last`.
 fn simpler(free: &Fitted, last: &Fitted) -> bool {
     free.model.size() + 1 < last.model.size()
-}
-
-/// Whether no evidence rules out any of its effects.
-fn passes_evidence(fitted: &Fitted) -> bool {
-    fitted.model.effects.iter().all(|a| against(fitted, &a.effect).is_none())
 }
 
 /// Fits each free constant together with each choice of effects. Only the trials with the lowest segment cost

@@ -5,7 +5,7 @@ use crate::data_mistakes::data_mistakes;
 use crate::decisions::{MOST_OF_RESIDUAL, REPEATS, SAME_FREQUENCY, SUBSTANTIAL, SURE, WORTH};
 use crate::drive::Drive;
 use crate::drive_frequency::drive_frequency;
-use crate::evidence::against;
+use crate::evidence::stands;
 use crate::formula::{DISCOVERED, expansion};
 use crate::input_interpolation::{Redrawn, beyond_noise, coarse_inputs, redrawn};
 use crate::model::{
@@ -516,8 +516,8 @@ impl<'s, 'a> Ending<'s, 'a> {
         Ok(Some(self.last.model.effects.len()))
     }
 
-    /// Fits the near rivals of the last round as hard as the final model was, beside the noise that it leaves: a race ends with
-    /// rougher fits. One that evidence rules out there is none.
+    /// Fits the near rivals of the last round as hard as the final model, with the same noise. The fits of a race are rougher.
+    /// Drops those that evidence rules out.
     fn compare_near_rivals(&mut self) {
         let Ending { last, noise, rounds, candidates, .. } = self;
         let Some(round) = rounds.iter_mut().max_by_key(|round| round.before) else { return };
@@ -531,8 +531,7 @@ impl<'s, 'a> Ending<'s, 'a> {
             let Ok(fitted) = Fitted::new(model.clone(), noise, Effort::Thorough) else { return Some(rival) };
             let by = Measure::of([&fitted.score, &last.score], *candidates);
             rival.delta_bic = by.criterion(&fitted.score) - by.criterion(&last.score);
-            let stands = fitted.model.effects.iter().all(|a| against(&fitted, &a.effect).is_none());
-            stands.then_some(rival)
+            stands(&fitted).then_some(rival)
         };
         round.rivals = std::mem::take(&mut round.rivals).into_par_iter().filter_map(compared).collect();
     }

@@ -33,6 +33,11 @@ pub(crate) fn against(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
     .find_map(|check| check(fitted, effect))
 }
 
+/// Whether no evidence rules out any effect of a fitted model.
+pub(crate) fn stands(fitted: &Fitted) -> bool {
+    fitted.model.effects.iter().all(|a| against(fitted, &a.effect).is_none())
+}
+
 /// The elastic deflection of a contact during stops must be in proportion to the force on it.
 fn contact_is_rigid(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
     // Where the residual is white, the simulated stops agree with the data already.

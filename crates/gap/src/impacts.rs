@@ -28,8 +28,11 @@ struct Turn {
 /// The fit with the impact that leaves least, if it halves the gap at least.
 pub(crate) fn with_impact(of: &Fitted, noise: &[Vec<f64>]) -> Option<Fitted> {
     let impacts = impacts(&of.model);
-    let models: Vec<TrialModel> =
-        impacts.iter().filter_map(|effect| of.settled().with(effect).ok()).collect();
+    if impacts.is_empty() {
+        return None;
+    }
+    let model = of.settled();
+    let models: Vec<TrialModel> = impacts.iter().filter_map(|effect| model.with(effect).ok()).collect();
     let fits = models.into_par_iter().filter_map(|m| Fitted::new(m, noise, Effort::Plain).ok());
     let best = fits.min_by(|a, b| a.score.fit.total_cmp(&b.score.fit))?;
     (best.score.fit < ON_THE_WAY * of.score.fit).then_some(best)
@@ -131,7 +134,7 @@ mod tests {
     }
 
     #[test]
-    fn a_motion_that_turns_sudden_is_told_from_one_that_swings() {
+    fn a_motion_that_turns_suddenly_is_told_from_one_that_swings() {
         let floor = r#"impacts: { "floor": (when: "z - 0.3", restitution: 0.8) },"#;
         let ceiling = r#"impacts: { "ceiling": (when: "0.3 - z", restitution: 0.8) },"#;
         assert_eq!(seen("-9.81", floor, r#""z": 2.0, "v": 0.0"#), [true]);

@@ -16,7 +16,7 @@ use crate::decisions::{
     FAMILY_ROUNDS, FAR_OFF, MORE_STARTS, MOST_EFFECTS, ON_THE_WAY, PAIRS_RACED, RACE, REPEATS, RICHER,
     RIVALS, SEARCHES_AGAIN, SEEDED_STRIDE, SEGMENTS_END, SHRINKS, SIMPLER, WEAK_ROUND, WORTH, WORTH_STARTS,
 };
-use crate::evidence::against;
+use crate::evidence::{against, stands};
 use crate::impacts::with_impact;
 use crate::input_interpolation::Drawing;
 use crate::model::{Fitted, Measure, TrialModel, current};
@@ -334,8 +334,8 @@ impl Search<'_> {
             singles.extend(self.fit_race(with_memory, ALL, *candidates, vetoed));
             rank(&mut singles, *candidates);
         }
-        // The whole family of the law that leaves least is fitted, and again where a sibling leaves less. Parameters of a
-        // narrow curve are hard to find by a regression, and easy from a fitted sibling.
+        // The whole family of the law that leaves least is fitted; where a sibling leaves less, once more from that one.
+        // Parameters of a narrow curve are hard to find by a regression, and easy from a fitted sibling.
         for _ in 0..FAMILY_ROUNDS {
             let Some(leader) = nearest(&singles) else { break };
             let (own, siblings) = (placed(&leader.model), self.siblings(model, leader));
@@ -654,8 +654,8 @@ impl Search<'_> {
     }
 }
 
-/// Up to what segment cost models stay in a race of these costs, those that segments flatter beside the others; each cost
-/// with whether they flatter its model, and that of a rival.
+/// The largest segment cost with which a model stays in a race: of models that short segments do not flatter, and of those
+/// that they flatter. Each cost comes with whether they flatter its model.
 fn limits(race: f64, rival: Option<f64>, raced: impl Iterator<Item = (bool, f64)> + Clone) -> [f64; 2] {
     let least = |flattered: bool| {
         let others = raced.clone().filter(|(other, _)| flattered || !other);
@@ -671,8 +671,7 @@ fn nearest(all: &[Fitted]) -> Option<&Fitted> {
 
 /// The model with the least misfit that evidence does not rule out.
 fn strongest(all: &[(f64, Fitted)]) -> Option<&Fitted> {
-    let stands = |f: &&Fitted| f.model.effects.iter().all(|a| against(f, &a.effect).is_none());
-    all.iter().map(|(_, f)| f).filter(stands).min_by(|a, b| a.score.fit.total_cmp(&b.score.fit))
+    all.iter().map(|(_, f)| f).filter(|f| stands(f)).min_by(|a, b| a.score.fit.total_cmp(&b.score.fit))
 }
 
 /// A model of a race, with the first iterations of its fit over segments.

@@ -451,8 +451,8 @@ impl TrialModel {
         phisindy_learn::single_run_cost(&self.system, &self.records, &self.smooth, noise)
     }
 
-    /// Whether short segments flatter it: a law with memory was added, which has a start state more in each of them, or
-    /// static friction, which holds whatever starts at rest.
+    /// Whether short segments flatter it. A law with memory has one more start state in each of them. Static friction holds
+    /// whatever starts at rest.
     pub(crate) fn is_flattered(&self) -> bool {
         let flatters = |law: &Law| law.has_memory() || !law.static_levels().is_empty();
         self.effects.iter().any(|a| flatters(&a.effect.entry.law))

@@ -6,14 +6,14 @@ use crate::decisions::{JUST_SLIPS, NEARLY_BEST, SLOW};
 use crate::evaluate::{evaluated, speed};
 use crate::model::TrialModel;
 use crate::motion::Motion;
-use crate::place::{Effect, Site, bindings};
+use crate::place::{Effect, Site};
 
 use super::regressors::Regressors;
 use faer::Mat;
 use phisindy_expr::Tape;
 use phisindy_learn::Calibration;
+use phisindy_phys::LawEntry;
 use phisindy_phys::spec::Role;
-use phisindy_phys::{LawEntry, System};
 
 /// Start values of a law from the fitted force of a sibling at the same place. Regresses that force on the
 /// law's columns along the motion, for each value of the grid parameter, and keeps the starts that explain
@@ -39,7 +39,7 @@ pub(crate) fn sibling_starts(
     for (i, speed) in speeds.iter().enumerate().filter(|(_, speed)| speed.abs() <= slow) {
         motion.states[i * n + state] += JUST_SLIPS * top * speed.signum() - speed;
     }
-    let force = force(sibling, system, &motion, |i| speeds[i].abs() <= slow)?;
+    let force = force_of(sibling, model, &motion, |i| speeds[i].abs() <= slow)?;
     let samples = motion.samples();
     let columns_of = |regressors: &Regressors, grid: &[f64]| -> Option<Vec<Vec<f64>>> {
         let mut all = system.arguments();
@@ -66,25 +66,17 @@ pub(crate) fn sibling_starts(
     Some(all.into_iter().filter(|(gain, _)| *gain > NEARLY_BEST * best).map(|(_, e)| e).collect())
 }
 
-/// The force of a law without memory along a motion, with its start values; `rests` tells the samples at rest.
-fn force(
+/// The force of an effect of a model along a motion; `rests` tells the samples at rest.
+fn force_of(
     effect: &Effect,
-    system: &System,
+    model: &TrialModel,
     motion: &Motion,
     rests: impl Fn(usize) -> bool,
 ) -> Option<Vec<f64>> {
-    let of = effect.entry.law.nodes();
-    let mut system = system.clone();
-    let mut with = bindings(effect, &mut system).ok()?;
-    for (symbol, value) in of.parameters.iter().zip(&effect.start) {
-        with.entry(*symbol).or_insert(system.graph.constant(*value));
-    }
-    let force = if effect.mirror { of.mirror } else { of.force }?;
-    let [force] = system.graph.graft(&of.graph, &[force], &with).ok()?[..] else { return None };
-    let load = effect.load.as_ref().map_or(Some(None), |load| system.quantity(load).map(Some))?;
-    let force = load.map_or(force, |load| system.graph.mul(load, force));
-    let modes = [0.0, 1.0].map(|mode| system.graph.with_rest(force, mode));
-    let tape = Tape::compile(&system.graph, &system.arguments(), &modes).ok()?;
+    let force = model.effects.iter().find(|applied| applied.effect.same(effect))?.force?;
+    let mut graph = model.system.graph.clone();
+    let modes = [0.0, 1.0].map(|mode| graph.with_rest(force, mode));
+    let tape = Tape::compile(&graph, &model.system.arguments(), &modes).ok()?;
     let both = evaluated(&tape, motion, &[], &[]);
     Some((0..motion.samples()).map(|i| both[usize::from(rests(i))][i]).collect())
 }
@@ -94,7 +86,7 @@ mod tests {
     use super::*;
     use crate::test_models::{effect, fitted, model};
 
-    /// Static friction is the force at rest, kinetic friction that in motion: Stribeck's law starts with a fall from one to the other.
+    /// Stribeck's law starts with a static level above its kinetic one.
     #[test]
     fn the_force_of_static_friction_at_rest_is_its_static_level() {
         let (base, noise) = model(
@@ -109,6 +101,7 @@ mod tests {
         let fit = fitted(base.with(&breakaway).expect("a model"), &noise);
         let starts =
             sibling_starts(&fit.model, &fit.cal, &breakaway, &stribeck.expect("a law")).expect("starts");
+        assert!(starts.iter().all(|effect| (effect.start[0] - 0.2).abs() < 0.05));
         assert!(starts.iter().any(|effect| effect.start[1] > 1.5 * effect.start[0]));
     }
 }

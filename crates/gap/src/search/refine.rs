@@ -3,7 +3,7 @@
 use super::proposals::{family, relative};
 use super::task::Search;
 use crate::decisions::{MOST_EFFECTS, NEAR_NOISE, RACE, SAME_GAP, SIMPLER};
-use crate::evidence::against;
+use crate::evidence::stands;
 use crate::model::{Fitted, Measure, TrialModel, current};
 use crate::place::{Effect, Site};
 use crate::screen::{excludes, sibling_starts};
@@ -67,7 +67,7 @@ impl Search<'_> {
         let noise = self.noise;
         let fitted = |list: &Vec<Effect>| {
             let other = refitted(base.with_all(list).ok()?, &now, noise)?;
-            list.iter().all(|e| against(&other, e).is_none()).then_some(other)
+            stands(&other).then_some(other)
         };
         let others: Vec<Fitted> = trials.par_iter().filter_map(fitted).collect();
         let carries =
@@ -173,7 +173,7 @@ fn refit_with(base: &TrialModel, now: &Fitted, list: &[Effect], noise: &[Vec<f64
         return None;
     }
     let other = refitted(model, now, noise)?;
-    list.iter().all(|e| against(&other, e).is_none()).then_some(other)
+    stands(&other).then_some(other)
 }
 
 /// Fits part of the model `whole`, from the start states of its runs. With stops a fit over short segments

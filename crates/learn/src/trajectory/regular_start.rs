@@ -34,8 +34,8 @@ impl Problem<'_> {
         }
     }
 
-    /// Starts segments with a contact at rest where they then miss clearly less. With static friction above kinetic friction a
-    /// body at rest would break away, for its speed is known with an error.
+    /// Starts segments with a contact at rest where they then miss clearly less. The speed of a body at rest is known with an
+    /// error, and from a wrong speed it would break away.
     pub(crate) fn start_at_rest(&self, x: &mut [f64]) {
         for contact in self.breaking_away() {
             self.start_better(x, |segment, x| {
@@ -75,8 +75,8 @@ impl Problem<'_> {
         !better.is_empty()
     }
 
-    /// Ends a step of a fit where a contact that would turn comes to rest, and leaves a contact at rest: beyond, a body breaks
-    /// away that static friction holds, and the cost jumps.
+    /// Ends a step of a fit where the speed of a contact would change its sign. A contact at rest stays at rest: when it lets
+    /// go, the cost jumps.
     pub(crate) fn stop_at_rest(&self, from: &[f64], to: &mut [f64]) {
         let n = self.system.states.len();
         for contact in self.breaking_away() {
