@@ -132,6 +132,8 @@ pub struct Vetoed {
     pub law: PlacedLaw,
     /// Why.
     pub why: Veto,
+    /// The gap on Fit records with the numbers that evidence speaks against.
+    pub left: f64,
 }
 
 /// A number with its name and unit.
