@@ -167,7 +167,19 @@ fn remarks(system: &System, found: &mut Identified) {
         found.records.iter().filter(|r| r.role == role).map(RecordFit::judged).fold(0.0, f64::max)
     };
     let (fit, validate) = (worst(Role::Fit), worst(Role::Validate));
-    if validate > FINE_NRMSE && validate > WORSE * fit {
+    let worse = |nrmse: f64| nrmse > FINE_NRMSE && nrmse > WORSE * fit;
+    // The noise of a sensor is a larger share of a small motion. What a validation misses must be more than the fit leaves
+    // in the unit of the column too.
+    let fitted: Vec<_> = found.records.iter().filter(|r| r.role == Role::Fit).collect();
+    let left = |k: usize| {
+        let all = fitted.iter().flat_map(|r| r.left()).filter(|(own, ..)| *own == k);
+        all.map(|(.., rms)| rms).fold(0.0, f64::max)
+    };
+    let misses = |r: &RecordFit| {
+        let ran = r.run.is_some() && r.segments.is_none();
+        worse(r.judged()) && (!ran || r.left().any(|(k, nrmse, rms)| worse(nrmse) && rms > WORSE * left(k)))
+    };
+    if found.records.iter().any(|r| r.role == Role::Validate && misses(r)) {
         found.warnings.push(Warning::ValidationWorse { fit, validate });
     }
 }

@@ -28,8 +28,9 @@ fn case() -> (Case, Vec<Record>) {
     records(LINE, &[(Role::Fit, line())])
 }
 
-/// A record whose columns are missed by this much.
+/// A record whose columns are missed by this much, of motions of unit size.
 fn ran(role: Role, nrmse: &[f64]) -> RecordFit {
+    let missed = |e: &f64| scatter(SAMPLES).iter().map(|s| e * s).collect();
     RecordFit {
         name: "r".into(),
         role,
@@ -37,7 +38,7 @@ fn ran(role: Role, nrmse: &[f64]) -> RecordFit {
         adapted: None,
         nrmse: nrmse.iter().map(|&e| ("x".into(), e)).collect(),
         noise: vec![],
-        residuals: vec![],
+        residuals: nrmse.iter().map(missed).collect(),
         own_times: Default::default(),
         start: vec![],
         run: Some(Trajectory::default()),
@@ -114,6 +115,17 @@ fn a_validation_that_is_much_worse_than_the_fit_is_told() {
         let heard = texts(&found.warnings).first().and_then(|w| w.split(": ").next().map(str::to_owned));
         assert_eq!(heard, due);
     }
+}
+
+/// A motion that is ten times smaller shows ten times the share of the same noise.
+#[test]
+fn a_small_motion_is_not_missed_by_more_than_the_noise() {
+    let of = |size: f64| {
+        let mut small = ran(Role::Validate, &[0.1 * size]);
+        small.nrmse[0].1 = 0.1;
+        said(vec![], vec![ran(Role::Fit, &[0.01]), small]).warnings.len()
+    };
+    assert_eq!((of(0.1), of(1.0)), (0, 1));
 }
 
 #[test]

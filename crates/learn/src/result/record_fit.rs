@@ -93,13 +93,18 @@ impl RecordFit {
         })
     }
 
+    /// For each measured column its index, its NRMSE, and the rms that the run leaves (SI).
+    pub(crate) fn left(&self) -> impl Iterator<Item = (usize, f64, f64)> {
+        let measured = (0..self.residuals.len()).filter(|&k| !self.residuals[k].is_empty());
+        measured.zip(&self.nrmse).zip(self.scored_residuals()).map(|((k, (_, e)), r)| (k, *e, rms(&r)))
+    }
+
     /// The largest NRMSE of all columns that are more than noise; infinite if the run failed. Of a rig at
     /// rest a column is noise, and so is what any model leaves of it.
     pub(crate) fn worst_of_motion(&self) -> f64 {
         if self.run.is_none() {
             return f64::INFINITY;
         }
-        let rms = |r: &[f64]| (r.iter().map(|e| e * e).sum::<f64>() / r.len() as f64).sqrt();
         let residuals: Vec<Vec<f64>> = self.scored_residuals().collect();
         // The column's standard deviation is that of the residual over the NRMSE.
         let rests =
@@ -143,4 +148,9 @@ impl RecordFit {
             self.nrmse.iter().map(|&(_, e)| e).fold(0.0, f64::max)
         }
     }
+}
+
+/// The root of the mean square.
+fn rms(of: &[f64]) -> f64 {
+    (of.iter().map(|e| e * e).sum::<f64>() / of.len() as f64).sqrt()
 }
