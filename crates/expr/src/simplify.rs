@@ -65,7 +65,20 @@ fn unary(g: &mut Graph, op: Unary, a: Id) -> Option<Id> {
             Unary::Abs,
             Node::Unary(Unary::Abs | Unary::Exp | Unary::Sqrt | Unary::Pos | Unary::Step | Unary::Rest, _),
         ) => Some(a),
-        (Unary::Sgn, Node::Unary(Unary::Sgn, _)) => Some(a),
+        (Unary::Sgn, Node::Unary(Unary::Sgn | Unary::Rest, _)) => Some(a),
+        (Unary::Rest, Node::Unary(Unary::Sgn | Unary::Abs, b)) => Some(g.unary(op, b)),
+        (Unary::Rest, Node::Unary(Unary::Rest, _)) => {
+            let one = g.constant(1.0);
+            Some(g.sub(one, a))
+        }
+        // A contact is the same one in any unit.
+        (Unary::Sgn | Unary::Step | Unary::Rest, Node::Binary(Binary::Mul, c, b))
+            if g.value(c).is_some_and(|c| c.is_finite() && (c > 0.0 || c < 0.0 && op != Unary::Step)) =>
+        {
+            let turned = g.value(c).is_some_and(below_zero) && op == Unary::Sgn;
+            let own = g.unary(op, b);
+            Some(if turned { g.neg(own) } else { own })
+        }
         (_, Node::Unary(Unary::Neg, b)) => {
             let parity = op.row().parity?;
             let turned = g.unary(op, b);

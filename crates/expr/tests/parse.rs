@@ -64,6 +64,13 @@ fn simplest_forms() {
     check("x^1", "x");
     check("x^0", "1");
     check("sgn(-x)", "-sgn(x)");
+    // A contact is the same one in any unit.
+    check("sgn(-2*x)", "-sgn(x)");
+    check("step(x/4)", "step(x)");
+    check("step(-2*x)", "step(-2*x)");
+    check("rest(-2*x)", "rest(x)");
+    check("rest(rest(x))", "1 - rest(x)");
+    check("rest(|x|)*sgn(rest(x))", "rest(x)*rest(x)");
     check("||x||", "abs(x)");
     check("min(x, x)", "x");
     check("2^10 + sqrt(16)", "1028");
