@@ -52,12 +52,15 @@ impl<'a> Drive<'a> {
     }
 
     /// The spectral line of the drive (rad/s) of which `frequency` is a multiple, with that multiple.
-    /// Anything nonlinear puts the multiples of a drive into the motion.
+    /// Anything nonlinear puts the multiples of a drive into the motion. Where its lines are not the larger part of
+    /// a drive, they do not stand for the motion: any frequency is near a multiple of one of many tones.
     pub(crate) fn multiple_at(&mut self, frequency: f64) -> Option<(f64, u32)> {
         let apart = SAME_LINE / span(self.record);
-        self.lines()
+        let larger = |all: &Vec<(f64, f64)>| all.iter().map(|(_, share)| share).sum::<f64>() > 0.5;
+        let lines = self.lines_with_shares().into_iter().filter(larger).flatten();
+        lines
             .into_iter()
-            .find_map(|line| Some((line, multiple(frequency, (line, line), u32::MAX, apart)?)))
+            .find_map(|(line, _)| Some((line, multiple(frequency, (line, line), u32::MAX, apart)?)))
     }
 
     /// Whether nothing drives the model: its known rates do not change while all states are zero.
@@ -70,6 +73,11 @@ impl<'a> Drive<'a> {
 
     /// The spectral lines of the drive (rad/s), rate by rate.
     pub(crate) fn lines(&mut self) -> Vec<f64> {
+        self.lines_with_shares().into_iter().flatten().map(|(line, _)| line).collect()
+    }
+
+    /// The spectral lines of each rate (rad/s), with the share of its power that each holds.
+    fn lines_with_shares(&mut self) -> Vec<Vec<(f64, f64)>> {
         let (n, first) = (self.record.len(), self.record.time[0]);
         let step = mean_step(&self.record.time);
         let rates: Vec<Vec<f64>> = (0..n).map(|i| self.at(first + i as f64 * step)).collect();
@@ -77,9 +85,10 @@ impl<'a> Drive<'a> {
             let rate: Vec<f64> = rates.iter().map(|r| r[k]).collect();
             let moves = rate.iter().all(|r| r.is_finite()) && rate.iter().any(|r| *r != rate[0]);
             let candidates = if moves { lines(&rate, step, DRIVE_LINES, 0) } else { vec![] };
-            candidates.into_iter().filter(|line| share(&rate, line * step) > DRIVE_LINE).collect::<Vec<_>>()
+            let with_share = candidates.into_iter().map(|line| (line, share(&rate, line * step)));
+            with_share.filter(|(_, share)| *share > DRIVE_LINE).collect()
         };
-        (0..self.system.known.len()).flat_map(of).collect()
+        (0..self.system.known.len()).map(of).collect()
     }
 }
 
@@ -170,6 +179,19 @@ mod tests {
             assert_eq!(drive.multiple_at(frequency), None, "{frequency}");
         }
         assert!(!drive.is_still());
+    }
+
+    #[test]
+    fn no_tone_stands_for_a_drive_of_many() {
+        let tones = |n: usize| {
+            let tone = |k: usize| format!("cos({:.3}*t + {k})", 0.4 + 0.37 * k as f64);
+            (0..n).map(tone).collect::<Vec<_>>().join(" + ")
+        };
+        let of = |n: usize| {
+            let (system, record) = driven(&tones(n));
+            Drive::new(&system, &record).expect("a drive").multiple_at(0.8).map(|(_, times)| times)
+        };
+        assert_eq!([of(3), of(2 * DRIVE_LINES + 2)], [Some(2), None]);
     }
 
     #[test]
