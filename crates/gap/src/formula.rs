@@ -9,6 +9,7 @@
 //! A formula is a law like any other from there on: the same fit, the same contacts, the same Validate
 //! records, the same evidence against it. It counts only if it passes what a law of the catalogue must pass.
 
+mod as_laws;
 mod atom;
 mod expansion;
 mod force;
@@ -20,13 +21,15 @@ mod shape;
 use crate::decisions::{
     FORMULA_PASSES, FORMULAS_FITTED, RACE, RESPONSE_ERROR, RIVALS, SEARCHES_AGAIN, WORTH,
 };
+use crate::evidence::stands;
 use crate::model::{Fitted, Measure, TrialModel, current};
 use crate::other_causes::input_noise;
-use crate::place::{Effect, Place, fits};
+use crate::place::{Effect, Place, Site, fits};
 use crate::plausibility::{cancelling, vetoed};
 use crate::result::{Activity, MissingForce, PlacedLaw, Rival, StopReason, Veto, Vetoed};
 use crate::screen::{PartialRegression, Target};
-use crate::search::{Round, Search, Searched};
+use crate::search::{Round, Search, Searched, placed, refitted};
+use as_laws::as_laws;
 pub(crate) use expansion::expansion;
 use expansion::short;
 use force::Free;
@@ -95,7 +98,10 @@ impl Search<'_> {
         let explained = self.explained(&searched.last);
         let done = explained && !doubted(&searched.last, &searched.needed, self.noise);
         let ended = matches!(searched.stop, StopReason::Interrupted | StopReason::CoarseInput);
-        if done || ended || self.left_by_input_noise(&searched.last) {
+        if done && !ended {
+            return self.in_place_of_a_sum(searched);
+        }
+        if ended || self.left_by_input_noise(&searched.last) {
             return searched;
         }
         // A number of the model that is wrong is no law: most formulas would say the same with more words. A
@@ -112,13 +118,13 @@ impl Search<'_> {
             let Found { best, rivals } = found;
             let before = now.model.effects.len();
             let expressions = expressions(&best.shapes, &best.scales);
-            let last = best.discovered();
+            let last = self.answer(&now, best);
             // The laws that evidence ruled out are told beside the formula.
             let (mut rounds, vetoed) = match before {
                 0 => (vec![], searched.rounds.into_iter().flat_map(|r| r.vetoed).collect()),
                 _ => (searched.rounds, vec![]),
             };
-            rounds.push(Round { before, rivals, vetoed, fitted: vec![] });
+            rounds.push(Round { before, rivals, vetoed: beside(&last, vetoed), fitted: vec![] });
             return Searched {
                 last,
                 rounds,
@@ -132,6 +138,55 @@ impl Search<'_> {
         }
         let force = self.missing_force(&searched.base);
         Searched { force, ..searched }
+    }
+
+    /// A search that laws explain, with a formula in the place of those that act at one place, or beside them as a rival:
+    /// what leaves as little and costs less is the answer. Laws of the same motion are terms of one curve, and three numbers
+    /// fit many curves. A sum of two numbers is as short as the formula would be.
+    fn in_place_of_a_sum(&mut self, mut searched: Searched) -> Searched {
+        let effects = current(&searched.last);
+        let Some(place) = place_of_a_sum(&effects) else { return searched };
+        let rest: Vec<Effect> = effects.iter().filter(|e| !e.place.is(&place)).cloned().collect();
+        let plain = searched.base.model.with_all(&rest).ok();
+        let Some(now) = plain.and_then(|model| refitted(model, &searched.last, self.noise)) else {
+            return searched;
+        };
+        let (scope, now) = (Scope::at(&place, false), now.on_trial());
+        let Some(Found { best, mut rivals }) = self.formula_beside(&now, |m| scope.of(m)) else {
+            return searched;
+        };
+        let by = Measure::of([&searched.last.score, &best.fitted.score], 1);
+        let of_laws = by.among(searched.candidates).criterion(&searched.last.score);
+        let behind = by.criterion(&best.fitted.score) + structure(best.symbols) - of_laws;
+        if behind > 0.0 {
+            if let (Some(round), Some(rival)) = (searched.rounds.last_mut(), rival(&best.fitted, behind)) {
+                round.rivals.push(rival);
+            }
+            return searched;
+        }
+        let laws = searched.last.model.effects.iter().map(|a| PlacedLaw::of(&a.effect)).collect();
+        let model = searched.last.model.starting_at(&searched.last.estimates(|p| !p.each));
+        let (behind, model) = (-behind, Some(Box::new(model)));
+        rivals.push(Rival { laws, delta_bic: behind, behind: f64::INFINITY, completed: None, model });
+        rivals.sort_by(|a, b| a.delta_bic.total_cmp(&b.delta_bic));
+        let candidates = searched.candidates.max(expressions(&best.shapes, &best.scales));
+        let last = self.answer(&now, best);
+        let vetoed = beside(&last, searched.rounds.into_iter().flat_map(|r| r.vetoed).collect());
+        let rounds = vec![Round { before: rest.len(), rivals, vetoed, fitted: vec![] }];
+        Searched { last, rounds, candidates, ..searched }
+    }
+
+    /// The model with a formula, or with the laws of the catalogue that its terms are.
+    fn answer(&self, now: &Fitted, best: Tried) -> Fitted {
+        let laws = || {
+            let effect = current(&best.fitted).pop()?;
+            let laws = as_laws(&best.shapes, &effect.start, &best.scales, &effect.place, self.catalogue)?;
+            let model = now.settled().with_all(&laws).ok()?;
+            let model = model.starting_at(&best.fitted.estimates(|p| !p.each));
+            let fitted = refitted(model, &best.fitted, self.noise)?;
+            (self.explained(&fitted) && stands(&fitted)).then(|| fitted.chosen())
+        };
+        laws().unwrap_or_else(|| best.discovered())
     }
 
     /// A fitted model with the formula that explains the data, sought at one place; `None` if there is none.
@@ -218,14 +273,18 @@ impl Search<'_> {
             return None;
         }
         let best = tried.swap_remove(best);
-        let rival = |t: &Tried| {
-            let laws = vec![PlacedLaw::of(&t.fitted.model.effects.last()?.effect)];
-            let model = Some(Box::new(t.fitted.model.starting_at(&t.fitted.estimates(|p| !p.each))));
-            Some(Rival { laws, delta_bic: value(t, by) - own, behind: f64::INFINITY, completed: None, model })
-        };
+        let rival = |t: &Tried| rival(&t.fitted, value(t, by) - own);
         let mut rivals: Vec<Rival> = tried.iter().filter_map(rival).collect();
         rivals.retain(|r| r.delta_bic.is_finite());
         rivals.sort_by(|a, b| a.delta_bic.total_cmp(&b.delta_bic));
+        // Of each formula its best fit.
+        let mut told: Vec<PlacedLaw> =
+            best.fitted.model.effects.iter().map(|a| PlacedLaw::of(&a.effect)).collect();
+        rivals.retain(|r| {
+            let new = r.laws.iter().any(|law| !told.contains(law));
+            told.extend(r.laws.iter().cloned());
+            new
+        });
         rivals.truncate(RIVALS);
         Some(Found { best, rivals })
     }
@@ -233,6 +292,8 @@ impl Search<'_> {
     /// Tries the best formula without each of its terms, and with each atom replaced by what it is where its
     /// inner number has no say, from the numbers of its fit, until nothing is needless.
     fn prune(&self, model: &TrialModel, tried: &mut Vec<Tried>, value: &dyn Fn(&Tried, Measure) -> f64) {
+        // A shorter one may have been fitted from numbers that led elsewhere: it is fitted again from here.
+        let first = tried.len();
         while let Some(best) = best_of(tried, value) {
             let from = &tried[best];
             let terms = 0..from.shapes.len();
@@ -240,7 +301,7 @@ impl Search<'_> {
             let limits =
                 terms.clone().flat_map(|k| kinds.map(|(quantity, step)| at_limit(from, k, quantity, step)));
             let shorter = terms.map(|k| without(from, k)).chain(limits).flatten();
-            let shorter: Vec<Candidate> = shorter.filter(|c| !has(tried, c)).collect();
+            let shorter: Vec<Candidate> = shorter.filter(|c| !has(&tried[first..], c)).collect();
             let before = tried.len();
             self.fit_formulas(model, &shorter, tried);
             if tried.len() == before || best_of(tried, value) == Some(best) {
@@ -269,6 +330,32 @@ pub(crate) fn response_noise(model: &TrialModel, noise: &[Vec<f64>]) -> Vec<Vec<
         columns.map(|(k, noise)| noise.max(RESPONSE_ERROR * record.deviation(k))).collect()
     };
     model.records.iter().zip(noise).map(of).collect()
+}
+
+/// The laws that evidence rules out beside those of a model.
+fn beside(last: &Fitted, mut vetoed: Vec<Vetoed>) -> Vec<Vetoed> {
+    let own = placed(&last.model);
+    vetoed.retain(|v| !own.contains(&v.law));
+    vetoed
+}
+
+/// A fitted formula as a rival that is behind by this much.
+fn rival(of: &Fitted, delta_bic: f64) -> Option<Rival> {
+    let laws = vec![PlacedLaw::of(&of.model.effects.last()?.effect)];
+    let model = Some(Box::new(of.model.starting_at(&of.estimates(|p| !p.each))));
+    Some(Rival { laws, delta_bic, behind: f64::INFINITY, completed: None, model })
+}
+
+/// The place at which several laws without memory act that have more than two numbers together.
+fn place_of_a_sum(effects: &[Effect]) -> Option<Place> {
+    let plain = |e: &&Effect| matches!(e.place.site, Site::Force { .. }) && !e.entry.law.has_memory();
+    let at = |place: &Place| effects.iter().filter(plain).filter(|e| e.place.is(place)).collect::<Vec<_>>();
+    let numbers = |of: &[&Effect]| of.iter().map(|e| e.entry.law.parameters.len()).sum::<usize>();
+    let is_sum = |place: &&Place| {
+        let here = at(place);
+        here.len() > 1 && numbers(&here) > 2
+    };
+    effects.iter().filter(plain).map(|e| &e.place).find(is_sum).cloned()
 }
 
 /// Whether evidence speaks against an effect of a model, other than that the records leave the numbers of a

@@ -17,8 +17,12 @@ impl Scope {
     /// Every place of a model where a force can act, in all that the force may depend on.
     pub(super) fn everywhere(model: &TrialModel, linear: bool) -> Vec<Scope> {
         let forces = model.places().iter().filter(|p| matches!(p.site, Site::Force { .. }));
-        let at = |place: &Place| Scope { place: place.clone(), displacement: true, velocity: true, linear };
-        forces.map(at).collect()
+        forces.map(|place| Scope::at(place, linear)).collect()
+    }
+
+    /// A place, in all that a force there may depend on.
+    pub(super) fn at(place: &Place, linear: bool) -> Scope {
+        Scope { place: place.clone(), displacement: true, velocity: true, linear }
     }
 
     /// The same in a model with nodes of its own.
