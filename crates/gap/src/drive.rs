@@ -184,7 +184,7 @@ mod tests {
     #[test]
     fn no_tone_stands_for_a_drive_of_many() {
         let tones = |n: usize| {
-            let tone = |k: usize| format!("cos({:.3}*t + {k})", 0.4 + 0.37 * k as f64);
+            let tone = |k: usize| format!("1*cos({:.3}*t + {k})", 0.4 + 0.37 * k as f64);
             (0..n).map(tone).collect::<Vec<_>>().join(" + ")
         };
         let of = |n: usize| {

@@ -5,7 +5,6 @@ use crate::data_mistakes::data_mistakes;
 use crate::decisions::{MOST_OF_RESIDUAL, REPEATS, SAME_FREQUENCY, SUBSTANTIAL, SURE, WORTH};
 use crate::drive::Drive;
 use crate::drive_frequency::drive_frequency;
-use crate::evidence::stands;
 use crate::formula::{DISCOVERED, expansion};
 use crate::input_interpolation::{Redrawn, beyond_noise, coarse_inputs, redrawn};
 use crate::model::{
@@ -520,7 +519,7 @@ impl<'s, 'a> Ending<'s, 'a> {
     }
 
     /// Fits the near rivals of the last round as hard as the final model, with the same noise. The fits of a race are rougher.
-    /// Drops those that evidence rules out.
+    /// Drops those that evidence rules out, and those whose numbers the records do not determine: they would be no answer.
     fn compare_near_rivals(&mut self) {
         let Ending { last, noise, rounds, candidates, .. } = self;
         let Some(round) = rounds.iter_mut().max_by_key(|round| round.before) else { return };
@@ -534,7 +533,8 @@ impl<'s, 'a> Ending<'s, 'a> {
             let Ok(fitted) = Fitted::new(model.clone(), noise, Effort::Thorough) else { return Some(rival) };
             let by = Measure::of([&fitted.score, &last.score], *candidates);
             rival.delta_bic = by.criterion(&fitted.score) - by.criterion(&last.score);
-            stands(&fitted).then_some(rival)
+            let with_errors = with_errors(fitted, noise).ok()?;
+            vetoed(&with_errors).is_empty().then_some(rival)
         };
         round.rivals = std::mem::take(&mut round.rivals).into_par_iter().filter_map(compared).collect();
     }

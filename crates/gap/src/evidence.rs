@@ -130,9 +130,8 @@ pub(crate) fn parameter_at_end(
     })
 }
 
-/// An elastic contact that never slips acts as a spring about the position where the record begins: none of
-/// its internal states comes to a place where its rate differs much from that of the contact at rest, at the
-/// same speed.
+/// An elastic contact that never slips acts as a spring: each of its internal states follows the motion, or goes back the
+/// way that it came.
 fn never_slips(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
     if !effect.entry.law.is_hysteretic() {
         return None;
@@ -142,28 +141,35 @@ fn never_slips(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
     (most_slip(fitted, effect)? < SLIPS).then_some(Veto::NeverSlips)
 }
 
-/// The largest part of the motion that an internal state of an effect does not follow, along all Fit records:
-/// its rate against the rate of the undeflected contact.
+/// The largest part of the motion that an internal state of an effect does not follow, along all Fit records: its rate
+/// against the rate of the undeflected contact. What it gives back on the way back, at the same deflection, is no slip.
 fn most_slip(fitted: &Fitted, effect: &Effect) -> Option<f64> {
+    let Site::Force { velocity, .. } = &effect.place.site else { return None };
     let (model, system) = (&fitted.model, &fitted.model.system);
     let own = model.effects.iter().find(|a| a.effect.same(effect))?;
     let mut graph = system.graph.clone();
     let zero = graph.constant(0.0);
+    let back = HashMap::from([(velocity.node, graph.neg(velocity.node))]);
     let mut outputs = Vec::new();
     for name in &own.internal {
         let z = system.state(name)?;
         let rate = system.known[z];
+        let undeflected = HashMap::from([(system.states[z].node, zero)]);
         outputs.push(rate);
-        outputs.push(graph.replace(&[rate], &HashMap::from([(system.states[z].node, zero)]))[0]);
+        outputs.push(graph.replace(&[rate], &back)[0]);
+        outputs.push(graph.replace(&[rate], &undeflected)[0]);
     }
     let tape = Tape::compile(&graph, &system.arguments(), &outputs).ok()?;
     let mut most = 0.0_f64;
     for (r, record) in model.records.iter().enumerate().filter(|(_, d)| d.role == Role::Fit) {
         let motion = Motion::new(system, record, &model.smooth[r], r, &fitted.cal);
         let values = evaluated(&tape, &motion, &[], &[]);
-        for pair in values.chunks_exact(2) {
-            let slips = pair[0].iter().zip(&pair[1]).map(|(now, free)| (1.0 - now / free).abs());
-            most = slips.filter(|s| s.is_finite()).fold(most, f64::max);
+        for rates in values.chunks_exact(3) {
+            let slip = |k: usize| {
+                let (now, back, free) = (rates[0][k], rates[1][k], rates[2][k]);
+                (1.0 - now / free).abs().min(((now + back) / free).abs())
+            };
+            most = (0..rates[0].len()).map(slip).filter(|s| s.is_finite()).fold(most, f64::max);
         }
     }
     Some(most)
@@ -335,6 +341,10 @@ mod tests {
         let (spring, contact) = fitted("-0.5*x", "presliding", PRESLIDING, &[100.0, 0.5]);
         assert_eq!(never_slips(&spring, &contact), Some(Veto::NeverSlips));
         assert_eq!(said("-0.3*sgn(v)", "presliding", PRESLIDING, &[0.3, 5.0]), None);
+        // A curve of the displacement saturates as an element with memory does, and goes the same way back.
+        let bouc_wen = include_str!("../../phys/laws/bouc-wen.ron");
+        let why = said("-0.6*atan(x/0.7)", "bouc-wen", bouc_wen, &[0.9, 0.1, 1.2]);
+        assert_eq!(why, Some(Veto::NeverSlips));
     }
 
     /// A damper of 0.7 is beyond a bound of 0.5; near a bound of 0.75 the records tell it as well as far from one.

@@ -99,7 +99,7 @@ impl Search<'_> {
         let done = explained && !doubted(&searched.last, &searched.needed, self.noise);
         let ended = matches!(searched.stop, StopReason::Interrupted | StopReason::CoarseInput);
         if done && !ended {
-            return self.in_place_of_a_sum(searched);
+            return self.in_place_of_many_numbers(searched);
         }
         if ended || self.left_by_input_noise(&searched.last) {
             return searched;
@@ -142,10 +142,11 @@ impl Search<'_> {
 
     /// A search that laws explain, with a formula in the place of those that act at one place, or beside them as a rival:
     /// what leaves as little and costs less is the answer. Laws of the same motion are terms of one curve, and three numbers
-    /// fit many curves. A sum of two numbers is as short as the formula would be.
-    fn in_place_of_a_sum(&mut self, mut searched: Searched) -> Searched {
+    /// fit many curves. Memory is shown where no force of the motion does as well. Two numbers are as short as the formula
+    /// would be.
+    fn in_place_of_many_numbers(&mut self, mut searched: Searched) -> Searched {
         let effects = current(&searched.last);
-        let Some(place) = place_of_a_sum(&effects) else { return searched };
+        let Some(place) = place_of_many_numbers(&effects) else { return searched };
         let rest: Vec<Effect> = effects.iter().filter(|e| !e.place.is(&place)).cloned().collect();
         let plain = searched.base.model.with_all(&rest).ok();
         let Some(now) = plain.and_then(|model| refitted(model, &searched.last, self.noise)) else {
@@ -346,16 +347,16 @@ fn rival(of: &Fitted, delta_bic: f64) -> Option<Rival> {
     Some(Rival { laws, delta_bic, behind: f64::INFINITY, completed: None, model })
 }
 
-/// The place at which several laws without memory act that have more than two numbers together.
-fn place_of_a_sum(effects: &[Effect]) -> Option<Place> {
-    let plain = |e: &&Effect| matches!(e.place.site, Site::Force { .. }) && !e.entry.law.has_memory();
-    let at = |place: &Place| effects.iter().filter(plain).filter(|e| e.place.is(place)).collect::<Vec<_>>();
-    let numbers = |of: &[&Effect]| of.iter().map(|e| e.entry.law.parameters.len()).sum::<usize>();
-    let is_sum = |place: &&Place| {
-        let here = at(place);
-        here.len() > 1 && numbers(&here) > 2
+/// The place at which laws act that have more than two numbers together, and are no curve of the catalogue: several of
+/// them, or one with memory.
+fn place_of_many_numbers(effects: &[Effect]) -> Option<Place> {
+    let forces = || effects.iter().filter(|e| matches!(e.place.site, Site::Force { .. }));
+    let many = |place: &&Place| {
+        let here: Vec<&Effect> = forces().filter(|e| e.place.is(place)).collect();
+        let numbers: usize = here.iter().map(|e| e.entry.law.parameters.len()).sum();
+        numbers > 2 && (here.len() > 1 || here.iter().any(|e| e.entry.law.has_memory()))
     };
-    effects.iter().filter(plain).map(|e| &e.place).find(is_sum).cloned()
+    forces().map(|e| &e.place).find(many).cloned()
 }
 
 /// Whether evidence speaks against an effect of a model, other than that the records leave the numbers of a
@@ -551,6 +552,28 @@ mod tests {
         assert_eq!(found("-0.4*abs(v)^1.5*sgn(v)").as_deref(), Some("c*abs(v)^1.5*sgn(v)"));
         assert_eq!(found("-0.5*atan(x/0.2)").as_deref(), Some("c*atan(x/l)"));
         assert_eq!(found("0*x"), None);
+    }
+
+    /// Three springs of the catalogue leave noise only where one of two numbers does; so the one is the answer, and the sum
+    /// its rival. Of the terms of a sum that are laws the names are told.
+    #[test]
+    fn a_formula_takes_the_place_of_a_sum_of_laws() {
+        let springs = [
+            ("stiffness", include_str!("../../phys/laws/stiffness.ron")),
+            ("cubic-stiffness", include_str!("../../phys/laws/cubic-stiffness.ron")),
+            ("quintic-stiffness", include_str!("../../phys/laws/quintic-stiffness.ron")),
+        ];
+        let of = |truth: &str| {
+            let spec = r#"(states: { "x": "m", "v": "m/s" }, constants: { "k": (1.0, "N/m"), "m": (1.0, "kg"), "c": (0.1, "N*s/m"), "F0": (0.6, "N"), "W": (0.7, "rad/s") },
+                known: { "x": "v", "v": "(-k*x - c*v + F0*cos(W*t) + F0*sin(1.9*W*t))/m" }, inertia: { "v": "m" }, unknown: {},
+                data: [ Synthetic(truth: { "v": "TRUTH" }, start: { "x": 0.3, "v": 0.0 }, duration: 60.0, step: 0.05, noise: Relative(0.02), seed: 1) ])"#;
+            let gap = crate::test_models::found(&spec.replace("TRUTH", truth), &springs);
+            let mut all: Vec<_> = gap.steps.iter().filter_map(|s| s.effect.entry.law.force.clone()).collect();
+            all.sort_unstable();
+            all
+        };
+        assert_eq!(of("-0.6*atan(x/0.7)"), ["c*atan(x/l)"]);
+        assert_eq!(of("-0.4*x - 0.3*x^3"), ["dk*x", "k3*x^3"]);
     }
 
     /// What the missing force depends on.
