@@ -188,8 +188,8 @@ fn friction_that_grows_with_speed_is_not_called_stribeck() {
         "(title: \"smooth\", constants: {{ \"m\": (1.0, \"kg\"), \"c\": (1.0, \"N*s/m\"), \"k\": (value: 100.0, unit: \"N/m\", within: (50.0, 200.0)) }},\n \
          states: {{ \"x\": \"m\", \"v\": \"m/s\" }}, inputs: {{ \"F\": \"N\" }}, known: {{ \"x\": \"v\", \"v\": \"(-c*v - k*x + F)/m\" }}, inertia: {{ \"v\": \"m\" }},\n \
          unknown: {{}}, data: [{}, {}])",
-        record(15.0, 2.0, 3, "Fit"),
-        record(10.0, 2.2, 4, "Validate")
+        record(6.0, 2.0, 3, "Fit"),
+        record(4.0, 2.2, 4, "Validate")
     );
     let (found, _) = gap(&folder("gap-smooth-sign"), &spec);
     assert!(named(&found).iter().all(|(law, _)| law != "stribeck"), "{found}");
