@@ -42,9 +42,14 @@ impl Graph {
     /// ```
     pub fn with_rest(&mut self, root: Id, mode: f64) -> Id {
         let mode = self.constant(mode);
-        let rest = |id: &Id| matches!(self.node(*id), Node::Unary(Unary::Rest, _));
-        let with = self.reachable(&[root]).into_iter().filter(rest).map(|id| (id, mode)).collect();
+        let with = self.rests(&[root]).into_iter().map(|id| (id, mode)).collect();
         self.replace(&[root], &with)[0]
+    }
+
+    /// The nodes `rest(w)` of these expressions.
+    pub fn rests(&self, roots: &[Id]) -> Vec<Id> {
+        let rest = |id: &Id| matches!(self.node(*id), Node::Unary(Unary::Rest, _));
+        self.reachable(roots).into_iter().filter(rest).collect()
     }
 
     /// Expressions of another graph, built (and simplified) in this one. `with` maps nodes of `other`, its

@@ -72,12 +72,12 @@ fn unary(g: &mut Graph, op: Unary, a: Id) -> Option<Id> {
             Some(g.sub(one, a))
         }
         // A contact is the same one in any unit.
-        (Unary::Sgn | Unary::Step | Unary::Rest, Node::Binary(Binary::Mul, c, b))
-            if g.value(c).is_some_and(|c| c.is_finite() && (c > 0.0 || c < 0.0 && op != Unary::Step)) =>
-        {
-            let turned = g.value(c).is_some_and(below_zero) && op == Unary::Sgn;
-            let own = g.unary(op, b);
-            Some(if turned { g.neg(own) } else { own })
+        (
+            Unary::Sgn | Unary::Step | Unary::Rest,
+            Node::Binary(Binary::Mul, c, b) | Node::Binary(Binary::Div, b, c),
+        ) if g.value(c).is_some_and(|c| c.is_finite() && c != 0.0) => {
+            let b = if g.value(c).is_some_and(below_zero) { g.neg(b) } else { b };
+            Some(g.unary(op, b))
         }
         (_, Node::Unary(Unary::Neg, b)) => {
             let parity = op.row().parity?;

@@ -67,7 +67,8 @@ fn simplest_forms() {
     // A contact is the same one in any unit.
     check("sgn(-2*x)", "-sgn(x)");
     check("step(4*x)", "step(x)");
-    check("step(-2*x)", "step(-2*x)");
+    check("step(x/4)", "step(x)");
+    check("step(-2*x)", "step(-x)");
     check("rest(-2*x)", "rest(x)");
     check("rest(rest(x))", "1 - rest(x)");
     check("rest(|x|)*sgn(rest(x))", "rest(x)*rest(x)");

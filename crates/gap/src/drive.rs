@@ -52,15 +52,13 @@ impl<'a> Drive<'a> {
     }
 
     /// The spectral line of the drive (rad/s) of which `frequency` is a multiple, with that multiple.
-    /// Anything nonlinear puts the multiples of a drive into the motion. Where its lines are not the larger part of
-    /// a drive, they do not stand for the motion: any frequency is near a multiple of one of many tones.
+    /// Anything nonlinear puts the multiples of a drive into the motion. A drive of many tones has no such line: any
+    /// frequency is near a multiple of one of them. Then its strongest lines are not the larger part of its power.
     pub(crate) fn multiple_at(&mut self, frequency: f64) -> Option<(f64, u32)> {
         let apart = SAME_LINE / span(self.record);
         let larger = |all: &Vec<(f64, f64)>| all.iter().map(|(_, share)| share).sum::<f64>() > 0.5;
-        let lines = self.lines_with_shares().into_iter().filter(larger).flatten();
-        lines
-            .into_iter()
-            .find_map(|(line, _)| Some((line, multiple(frequency, (line, line), u32::MAX, apart)?)))
+        let mut lines = self.lines_with_shares().into_iter().filter(larger).flatten();
+        lines.find_map(|(line, _)| Some((line, multiple(frequency, (line, line), u32::MAX, apart)?)))
     }
 
     /// Whether nothing drives the model: its known rates do not change while all states are zero.

@@ -240,8 +240,8 @@ impl<'s, 'a> Ending<'s, 'a> {
         other: Option<&Alternative>,
         searched: &[Fitted],
     ) -> Result<Option<Vec<Push>>, GapError> {
-        // A law acts in all records alike. One that takes most of the gap where no push was, by numbers that the push had bent,
-        // explains nothing.
+        // A law acts in all records. One that takes most of the gap of the Validate records alone does not explain the push
+        // in a Fit record.
         let beyond = |f: &Fitted| [f.score.fit, f.score.gap()].map(|gap| gap.powi(2) - 1.0);
         let before = beyond(&self.base).map(|left| (1.0 - MOST_OF_RESIDUAL) * left);
         let by_a_law = |f: &Fitted| beyond(f).iter().zip(before).all(|(left, most)| *left < most);

@@ -9,11 +9,11 @@
 //! A formula is a law like any other from there on: the same fit, the same contacts, the same Validate
 //! records, the same evidence against it. It counts only if it passes what a law of the catalogue must pass.
 
-mod as_laws;
 mod atom;
 mod expansion;
 mod force;
 mod front;
+mod known_laws;
 mod scale;
 mod scope;
 mod shape;
@@ -28,17 +28,18 @@ use crate::place::{Effect, Place, Site, fits};
 use crate::plausibility::{cancelling, vetoed};
 use crate::result::{Activity, MissingForce, PlacedLaw, Rival, StopReason, Veto, Vetoed};
 use crate::screen::{PartialRegression, Target};
-use crate::search::{Round, Search, Searched, placed, refitted};
-use as_laws::as_laws;
+use crate::search::{Round, Search, Searched, label, placed, refitted, rival};
 pub(crate) use expansion::expansion;
 use expansion::short;
 use force::Free;
 use front::{Entry, Grammar, Selection, shortest, structure};
+use known_laws::known_laws;
 use phisindy_learn::{Calibration, Effort};
 use phisindy_phys::{LawEntry, LawError, LawRole, Record};
 use scale::Scale;
 pub(crate) use scope::Scope;
 use shape::{Shape, Term, formula, shapes};
+use std::collections::BTreeSet;
 
 /// The part of a search after which formulas are sought, where no law explains the data.
 const FORMULAS: f64 = 0.7;
@@ -124,7 +125,7 @@ impl Search<'_> {
                 0 => (vec![], searched.rounds.into_iter().flat_map(|r| r.vetoed).collect()),
                 _ => (searched.rounds, vec![]),
             };
-            rounds.push(Round { before, rivals, vetoed: beside(&last, vetoed), fitted: vec![] });
+            rounds.push(Round { before, rivals, vetoed: without_own(&last, vetoed), fitted: vec![] });
             return Searched {
                 last,
                 rounds,
@@ -140,10 +141,9 @@ impl Search<'_> {
         Searched { force, ..searched }
     }
 
-    /// A search that laws explain, with a formula in the place of those that act at one place, or beside them as a rival:
-    /// what leaves as little and costs less is the answer. Laws of the same motion are terms of one curve, and three numbers
-    /// fit many curves. Memory is shown where no force of the motion does as well. Two numbers are as short as the formula
-    /// would be.
+    /// A search that laws explain, compared with a formula at their place: the one with the better criterion is the answer, the
+    /// other its rival. Three numbers fit many curves, and memory is shown only where no force of the motion does as well.
+    /// Two numbers are as short as the formula would be.
     fn in_place_of_many_numbers(&mut self, mut searched: Searched) -> Searched {
         let effects = current(&searched.last);
         let Some(place) = place_of_many_numbers(&effects) else { return searched };
@@ -160,19 +160,16 @@ impl Search<'_> {
         let of_laws = by.among(searched.candidates).criterion(&searched.last.score);
         let behind = by.criterion(&best.fitted.score) + structure(best.symbols) - of_laws;
         if behind > 0.0 {
-            if let (Some(round), Some(rival)) = (searched.rounds.last_mut(), rival(&best.fitted, behind)) {
-                round.rivals.push(rival);
+            if let Some(round) = searched.rounds.last_mut() {
+                round.rivals.push(rival(&best.fitted, rest.len(), behind));
             }
             return searched;
         }
-        let laws = searched.last.model.effects.iter().map(|a| PlacedLaw::of(&a.effect)).collect();
-        let model = searched.last.model.starting_at(&searched.last.estimates(|p| !p.each));
-        let (behind, model) = (-behind, Some(Box::new(model)));
-        rivals.push(Rival { laws, delta_bic: behind, behind: f64::INFINITY, completed: None, model });
+        rivals.push(rival(&searched.last, 0, -behind));
         rivals.sort_by(|a, b| a.delta_bic.total_cmp(&b.delta_bic));
         let candidates = searched.candidates.max(expressions(&best.shapes, &best.scales));
         let last = self.answer(&now, best);
-        let vetoed = beside(&last, searched.rounds.into_iter().flat_map(|r| r.vetoed).collect());
+        let vetoed = without_own(&last, searched.rounds.into_iter().flat_map(|r| r.vetoed).collect());
         let rounds = vec![Round { before: rest.len(), rivals, vetoed, fitted: vec![] }];
         Searched { last, rounds, candidates, ..searched }
     }
@@ -181,7 +178,7 @@ impl Search<'_> {
     fn answer(&self, now: &Fitted, best: Tried) -> Fitted {
         let laws = || {
             let effect = current(&best.fitted).pop()?;
-            let laws = as_laws(&best.shapes, &effect.start, &best.scales, &effect.place, self.catalogue)?;
+            let laws = known_laws(&best.shapes, &effect.start, &best.scales, &effect.place, self.catalogue)?;
             let model = now.settled().with_all(&laws).ok()?;
             let model = model.starting_at(&best.fitted.estimates(|p| !p.each));
             let fitted = refitted(model, &best.fitted, self.noise)?;
@@ -274,18 +271,14 @@ impl Search<'_> {
             return None;
         }
         let best = tried.swap_remove(best);
-        let rival = |t: &Tried| rival(&t.fitted, value(t, by) - own);
-        let mut rivals: Vec<Rival> = tried.iter().filter_map(rival).collect();
+        let before = now.model.effects.len();
+        let rival = |t: &Tried| rival(&t.fitted, before, value(t, by) - own);
+        let mut rivals: Vec<Rival> = tried.iter().map(rival).collect();
         rivals.retain(|r| r.delta_bic.is_finite());
         rivals.sort_by(|a, b| a.delta_bic.total_cmp(&b.delta_bic));
         // Of each formula its best fit.
-        let mut told: Vec<PlacedLaw> =
-            best.fitted.model.effects.iter().map(|a| PlacedLaw::of(&a.effect)).collect();
-        rivals.retain(|r| {
-            let new = r.laws.iter().any(|law| !told.contains(law));
-            told.extend(r.laws.iter().cloned());
-            new
-        });
+        let mut seen = BTreeSet::from([label(&best.fitted.model, before)]);
+        rivals.retain(|r| seen.insert(r.laws.clone()));
         rivals.truncate(RIVALS);
         Some(Found { best, rivals })
     }
@@ -333,18 +326,11 @@ pub(crate) fn response_noise(model: &TrialModel, noise: &[Vec<f64>]) -> Vec<Vec<
     model.records.iter().zip(noise).map(of).collect()
 }
 
-/// The laws that evidence rules out beside those of a model.
-fn beside(last: &Fitted, mut vetoed: Vec<Vetoed>) -> Vec<Vetoed> {
+/// The laws that are ruled out, without those of the answer.
+fn without_own(last: &Fitted, mut vetoed: Vec<Vetoed>) -> Vec<Vetoed> {
     let own = placed(&last.model);
     vetoed.retain(|v| !own.contains(&v.law));
     vetoed
-}
-
-/// A fitted formula as a rival that is behind by this much.
-fn rival(of: &Fitted, delta_bic: f64) -> Option<Rival> {
-    let laws = vec![PlacedLaw::of(&of.model.effects.last()?.effect)];
-    let model = Some(Box::new(of.model.starting_at(&of.estimates(|p| !p.each))));
-    Some(Rival { laws, delta_bic, behind: f64::INFINITY, completed: None, model })
 }
 
 /// The place at which laws act that have more than two numbers together, and are no curve of the catalogue: several of
@@ -554,8 +540,7 @@ mod tests {
         assert_eq!(found("0*x"), None);
     }
 
-    /// Three springs of the catalogue leave noise only where one of two numbers does; so the one is the answer, and the sum
-    /// its rival. Of the terms of a sum that are laws the names are told.
+    /// Where three springs leave only noise, a spring of two numbers is the answer. A formula of known laws has their names.
     #[test]
     fn a_formula_takes_the_place_of_a_sum_of_laws() {
         let springs = [

@@ -6,7 +6,7 @@ mod proposals;
 mod refine;
 mod task;
 
-pub(crate) use compare::{label, placed, preferred, rank};
+pub(crate) use compare::{label, placed, preferred, rank, rival};
 pub(crate) use proposals::neutral;
 pub(crate) use refine::refitted;
 pub(crate) use task::{Observe, Observer, ROUND, SEARCHED, Search};
@@ -793,8 +793,7 @@ pub(crate) fn round_from(
     mut vetoed: Vec<Vetoed>,
     candidates: usize,
 ) -> Round {
-    // The fit of a law that leaves least speaks for it: a worse one with odd numbers rules it out no more than a worse one
-    // with good numbers saves it.
+    // The fit that leaves least decides whether a law is ruled out.
     let better = |v: &Vetoed, f: &Fitted| {
         let alone = matches!(&label(&f.model, before)[..], [one] if one.law == v.law.law);
         alone && !f.cal.hopeless && f.score.fit <= v.left
@@ -809,18 +808,7 @@ pub(crate) fn round_from(
         .iter()
         .map(|f| (forces(&f.model), f))
         .filter(|(forces, f)| *forces != answer && f.model.effects.len() > before)
-        .map(|(forces, f)| {
-            let mut model = f.model.starting_at(&f.estimates(|p| !p.each));
-            f.starts(&mut model);
-            let rival = Rival {
-                laws: label(&f.model, before),
-                delta_bic: by.criterion(&f.score) - by.criterion(&chosen.score),
-                behind: f64::INFINITY,
-                completed: None,
-                model: Some(Box::new(model)),
-            };
-            (forces, rival)
-        })
+        .map(|(forces, f)| (forces, rival(f, before, by.criterion(&f.score) - by.criterion(&chosen.score))))
         .collect();
     rivals.sort_by(|a, b| a.1.delta_bic.total_cmp(&b.1.delta_bic));
     let mut told: Vec<Vec<(&str, &str)>> = Vec::new();
@@ -919,18 +907,12 @@ fn after_fits(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test_models::{effect, fitted, model};
+    use crate::test_models::{effect, fitted, slowly_driven};
 
-    /// A worse fit of a law, with numbers that evidence speaks against, does not rule it out. What is told of a rival starts
-    /// where its fit ended.
+    /// Evidence against a worse fit of a law does not rule the law out. A rival starts where its fit ended.
     #[test]
     fn a_law_is_ruled_out_by_the_fit_that_leaves_least() {
-        let (base, noise) = model(
-            r#"(states: { "x": "m", "v": "m/s" }, constants: { "k": (1.0, "N/m"), "m": (1.0, "kg"), "F0": (1.0, "N") },
-            known: { "x": "v", "v": "(-k*x + F0*cos(0.7*t))/m" }, inertia: { "v": "m" }, unknown: {},
-            data: [ Synthetic(truth: { "v": "-0.3*sgn(v)" }, start: { "x": 1.0, "v": 0.0 }, duration: 30.0, step: 0.05,
-                measure: ["x"], noise: Additive(0.02), seed: 1) ])"#,
-        );
+        let (base, noise) = slowly_driven("-0.3*sgn(v)");
         let with = |id: &str, law: &str| {
             fitted(base.with(&effect(&base, id, law, "v", &[0.1])).expect("a model"), &noise)
         };

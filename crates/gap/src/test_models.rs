@@ -23,6 +23,15 @@ pub(crate) fn model(text: &str) -> (TrialModel, Vec<Vec<f64>>) {
     (TrialModel::base(spec, case, records), noise)
 }
 
+/// A slowly driven mass on a spring that lacks `truth`; its position is measured.
+pub(crate) fn slowly_driven(truth: &str) -> (TrialModel, Vec<Vec<f64>>) {
+    let spec = r#"(states: { "x": "m", "v": "m/s" }, constants: { "k": (1.0, "N/m"), "m": (1.0, "kg"), "F0": (0.8, "N") },
+        known: { "x": "v", "v": "(-k*x + F0*cos(0.3*t))/m" }, inertia: { "v": "m" }, contacts: ["v"], unknown: {},
+        data: [ Synthetic(truth: { "v": "TRUTH" }, start: { "x": 1.0, "v": 0.0 }, duration: 40.0, step: 0.05,
+            measure: ["x"], noise: Additive(0.01), seed: 1) ])"#;
+    model(&spec.replace("TRUTH", truth))
+}
+
 /// What the workflow finds with these laws.
 pub(crate) fn found(text: &str, laws: &[(&str, &str)]) -> Gap {
     let (base, _) = model(text);

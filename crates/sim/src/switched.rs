@@ -173,8 +173,7 @@ impl Switched {
 /// Whether friction differs at rest from what it is in motion: the rates jump as a contact lets go.
 fn breaks_away(model: &Model) -> bool {
     let roots: Vec<Id> = model.rates.iter().chain(&model.outputs).copied().collect();
-    let rest = |id: Id| matches!(model.graph.node(id), Node::Unary(Unary::Rest, _));
-    model.graph.reachable(&roots).into_iter().any(rest)
+    !model.graph.rests(&roots).is_empty()
 }
 
 /// Arguments of all signs and steps in the rates and outputs that can change during a run. An argument and

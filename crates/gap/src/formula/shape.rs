@@ -4,7 +4,7 @@ use super::atom::{Atom, DISPLACEMENT, Inner, VELOCITY};
 use super::scale::Scale;
 use crate::place::product;
 use phisindy_expr::{Id, Scratch, Tape};
-use phisindy_phys::{LawEntry, LawError};
+use phisindy_phys::{Law, LawEntry, LawError};
 
 /// A product of an atom in the displacement and one in the velocity; of neither for a constant force.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -192,12 +192,17 @@ pub(super) fn formula(
         parameters.join("\n")
     );
     let entry = LawEntry::read(id, &text)?;
-    let nodes = entry.law.nodes();
-    let symbols = nodes.force.map_or(0, |force| nodes.graph.reachable(&[force]).len());
+    let symbols = symbols(&entry.law);
     Ok(Formula { entry, symbols })
 }
 
-/// A shape compiled: its values along a motion.
+/// Symbols of the expression of a law's force.
+fn symbols(law: &Law) -> usize {
+    let of = law.nodes();
+    of.force.map_or(0, |force| of.graph.reachable(&[force]).len())
+}
+
+/// A force without memory compiled: its values along a motion.
 pub(super) struct Program {
     tape: Tape,
     /// Which of displacement, velocity it reads.
@@ -207,21 +212,32 @@ pub(super) struct Program {
 }
 
 impl Program {
+    /// A shape with its coefficient.
     pub(super) fn new(shape: Shape, scales: &[Scale; 2]) -> Option<Program> {
-        let formula = formula("term", "a term", "", &[shape], scales).ok()?;
-        let of = formula.entry.law.nodes();
+        Program::of(&formula("term", "a term", "", &[shape], scales).ok()?.entry.law)
+    }
+
+    /// The force of a law; `None` if it reads more than displacement, velocity and its parameters.
+    pub(super) fn of(law: &Law) -> Option<Program> {
+        let of = law.nodes();
         let inputs: Vec<Id> =
             of.displacement.into_iter().chain(of.velocity).chain(of.parameters.iter().copied()).collect();
         Some(Program {
             tape: Tape::compile(&of.graph, &inputs, &[of.force?]).ok()?,
             reads: [of.displacement.is_some(), of.velocity.is_some()],
-            symbols: formula.symbols,
-            sticks: formula.entry.law.sticks(),
+            symbols: symbols(law),
+            sticks: law.sticks(),
         })
     }
 
     /// Its values along displacement and velocity, its coefficient 1.
     pub(super) fn evaluate(&self, displacement: &[f64], velocity: &[f64], inner: &[f64]) -> Vec<f64> {
+        let numbers: Vec<f64> = [1.0].iter().chain(inner).copied().collect();
+        self.force(displacement, velocity, &numbers)
+    }
+
+    /// Its values along displacement and velocity with these parameters.
+    pub(super) fn force(&self, displacement: &[f64], velocity: &[f64], numbers: &[f64]) -> Vec<f64> {
         const LANES: usize = 64;
         let mut scratch = Scratch::<LANES>::new(&self.tape);
         let series: Vec<&[f64]> = [(self.reads[0], displacement), (self.reads[1], velocity)]
@@ -229,7 +245,7 @@ impl Program {
             .filter(|(is, _)| *is)
             .map(|(_, s)| s)
             .collect();
-        for (k, value) in [1.0].iter().chain(inner).enumerate() {
+        for (k, value) in numbers.iter().enumerate() {
             *scratch.input(series.len() + k) = [*value; LANES];
         }
         let samples = velocity.len();

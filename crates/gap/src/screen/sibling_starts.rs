@@ -84,17 +84,12 @@ fn force_of(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test_models::{effect, fitted, model};
+    use crate::test_models::{effect, fitted, slowly_driven};
 
     /// Stribeck's law starts with a static level above its kinetic one.
     #[test]
     fn the_force_of_static_friction_at_rest_is_its_static_level() {
-        let (base, noise) = model(
-            r#"(states: { "x": "m", "v": "m/s" }, constants: { "k": (1.0, "N/m"), "m": (1.0, "kg"), "F0": (0.8, "N") },
-            known: { "x": "v", "v": "(-k*x + F0*cos(0.3*t))/m" }, inertia: { "v": "m" }, contacts: ["v"], unknown: {},
-            data: [ Synthetic(truth: { "v": "-(0.2 + 0.3*rest(v))*sgn(v)" }, start: { "x": 1.0, "v": 0.0 }, duration: 40.0, step: 0.05,
-                measure: ["x"], noise: Additive(0.01), seed: 1) ])"#,
-        );
+        let (base, noise) = slowly_driven("-(0.2 + 0.3*rest(v))*sgn(v)");
         let law = include_str!("../../../phys/laws/breakaway.ron");
         let breakaway = effect(&base, "breakaway", law, "v", &[0.2, 0.5]);
         let stribeck = LawEntry::read("stribeck", include_str!("../../../phys/laws/stribeck.ron"));

@@ -2,7 +2,7 @@
 
 use crate::decisions::{FAR_OFF, ON_THE_WAY, RICHER, SIMPLER};
 use crate::model::{Fitted, Measure, Score, TrialModel};
-use crate::result::PlacedLaw;
+use crate::result::{PlacedLaw, Rival};
 
 /// Sorts models by the criterion, best first.
 pub(crate) fn rank(all: &mut [Fitted], candidates: usize) {
@@ -48,6 +48,14 @@ pub(crate) fn placed(model: &TrialModel) -> Vec<PlacedLaw> {
 /// Laws and places of its effects from index `from` on.
 pub(crate) fn label(model: &TrialModel, from: usize) -> Vec<PlacedLaw> {
     model.effects[from.min(model.effects.len())..].iter().map(|a| PlacedLaw::of(&a.effect)).collect()
+}
+
+/// A fitted model as a rival that is behind by this much, told by its effects from index `from` on.
+pub(crate) fn rival(of: &Fitted, from: usize, delta_bic: f64) -> Rival {
+    let mut model = of.model.starting_at(&of.estimates(|p| !p.each));
+    of.starts(&mut model);
+    let (laws, model) = (label(&of.model, from), Some(Box::new(model)));
+    Rival { laws, delta_bic, behind: f64::INFINITY, completed: None, model }
 }
 
 #[cfg(test)]

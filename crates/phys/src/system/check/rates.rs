@@ -3,7 +3,7 @@
 use super::checker::Checker;
 use crate::system::equations::{Contact, Input, NamedPlace, Output, State, System, Term, contains_sign};
 use crate::text::spec::{OutputSpec, Spec, Text, UnknownSpec};
-use phisindy_expr::{Id, Node, Span, Unary, nearest};
+use phisindy_expr::{Id, Span, nearest};
 use std::collections::HashMap;
 
 /// What an output calls the rate of a state by: `rate(v)`.
@@ -248,8 +248,7 @@ impl Checker {
             }
             seen.insert(bare, candidate.span);
             let value = self.graph.mul(factor, bare);
-            let rests = |id: Id| matches!(self.graph.node(id), Node::Unary(Unary::Rest, _));
-            if self.graph.reachable(&[value]).into_iter().any(rests) {
+            if !self.graph.rests(&[value]).is_empty() {
                 self.warn("a coefficient of what acts at rest alone is not found", candidate.span, "")
                     .help
                     .push("write the term in `known` with a constant `Find(...)`, or ask `phisindy gap`, which knows breakaway".into());

@@ -1,10 +1,9 @@
-//! The terms of a formula as laws of the catalogue.
+//! The terms of a formula that are laws of the catalogue.
 
 use super::scale::Scale;
-use super::shape::{Shape, formula};
+use super::shape::{Program, Shape};
 use crate::place::{Effect, Place, fits};
-use phisindy_expr::{Id, Scratch, Tape};
-use phisindy_phys::{Law, LawEntry};
+use phisindy_phys::LawEntry;
 
 /// Where forces are compared, in parts of the largest displacement and velocity.
 const PARTS: [f64; 7] = [-1.0, -0.53, -0.11, 0.07, 0.29, 0.61, 1.0];
@@ -12,73 +11,52 @@ const PARTS: [f64; 7] = [-1.0, -0.53, -0.11, 0.07, 0.29, 0.61, 1.0];
 const SAME_FORCE: f64 = 1e-9;
 
 /// The laws of the catalogue that the terms of a formula are, with their numbers; `None` where a term is none. `numbers`
-/// are the coefficient and the inner numbers of each term.
-pub(super) fn as_laws(
+/// are the coefficient and the inner numbers of each term. A law is a term if its force is the same on a grid of the
+/// motion.
+pub(super) fn known_laws(
     shapes: &[Shape],
     numbers: &[f64],
     scales: &[Scale; 2],
     place: &Place,
     catalogue: &[LawEntry],
 ) -> Option<Vec<Effect>> {
-    let tops = scales.each_ref().map(|scale| {
+    let [x, v] = scales.each_ref().map(|scale| {
         let (low, high) = scale.range();
-        low.abs().max(high.abs())
+        PARTS.map(|part| part * low.abs().max(high.abs()))
     });
+    let (x, v): (Vec<f64>, Vec<f64>) = x.iter().flat_map(|x| v.map(|v| (*x, v))).unzip();
     let mut numbers = numbers.iter().copied();
     let law = |shape: &Shape| {
         let coefficient = numbers.next()?;
         let inner: Vec<f64> = numbers.by_ref().take(shape.inner().len()).collect();
-        let term = formula("term", "a term", "", &[*shape], scales).ok()?.entry.law;
-        let own: Vec<f64> = [1.0].into_iter().chain(inner.iter().copied()).collect();
-        let due = forces(&term, &own, tops)?;
+        let due = Program::new(*shape, scales)?.evaluate(&x, &v, &inner);
         let largest = due.iter().fold(0.0, |a: f64, f| a.max(f.abs()));
+        let same = |force: &[f64]| force.iter().zip(&due).all(|(a, b)| (a - b).abs() <= SAME_FORCE * largest);
         let as_law = |entry: &LawEntry| {
             let law = &entry.law;
             let [linear] = law.linear_parameters()[..] else { return None };
-            let plain = law.property().is_none() && !law.has_memory() && law.nodes().outside.is_empty();
             let (low, high) = law.parameters[linear].1.within;
-            if !plain
-                || law.nodes().load.is_some()
-                || law.parameters.len() != own.len()
-                || law.parameters.iter().any(|(_, p)| p.each)
-                || !(low..=high).contains(&coefficient)
-                || !fits(law, place)
-            {
+            let each = law.parameters.iter().any(|(_, p)| p.each);
+            let fitting = law.parameters.len() == 1 + inner.len() && !each && fits(law, place);
+            if !fitting || coefficient < low || coefficient > high {
                 return None;
             }
             let with = |coefficient: f64| {
-                let mut rest = inner.iter().copied();
-                let of = |k| if k == linear { Some(coefficient) } else { rest.next() };
-                (0..own.len()).map_while(of).collect::<Vec<f64>>()
+                let mut all = inner.clone();
+                all.insert(linear, coefficient);
+                all
             };
-            let all = forces(law, &with(1.0), tops)?;
-            let same = all.iter().zip(&due).all(|(a, b)| (a - b).abs() <= SAME_FORCE * largest);
-            same.then(|| Effect::new(entry.clone(), place.clone(), with(coefficient)))
+            let force = Program::of(law)?.force(&x, &v, &with(1.0));
+            same(&force).then(|| Effect::new(entry.clone(), place.clone(), with(coefficient)))
         };
         catalogue.iter().find_map(as_law)
     };
     shapes.iter().map(law).collect()
 }
 
-/// The force of a law with these numbers, on a grid of displacements and velocities up to these sizes.
-fn forces(law: &Law, numbers: &[f64], tops: [f64; 2]) -> Option<Vec<f64>> {
-    let of = law.nodes();
-    let places = [of.displacement, of.velocity];
-    let inputs: Vec<Id> = places.into_iter().flatten().chain(of.parameters.iter().copied()).collect();
-    let tape = Tape::compile(&of.graph, &inputs, &[of.force?]).ok()?;
-    let mut scratch = Scratch::<1>::new(&tape);
-    let points = PARTS.iter().flat_map(|x| PARTS.map(|v| [x * tops[0], v * tops[1]]));
-    let at = |point: [f64; 2]| {
-        let here = places.into_iter().zip(point).filter_map(|(is, value)| is.map(|_| value));
-        scratch.at(here.chain(numbers.iter().copied()));
-        scratch.output(0)[0]
-    };
-    Some(points.map(at).collect())
-}
-
 #[cfg(test)]
 mod tests {
-    use super::super::shape::shapes;
+    use super::super::shape::{formula, shapes};
     use super::*;
     use crate::test_models::model;
 
@@ -109,7 +87,7 @@ mod tests {
         let place = base.places().iter().find(|p| p.at == "v").expect("a place").clone();
         let said = |terms: &[&str], numbers: &[f64]| {
             let terms: Vec<Shape> = terms.iter().map(|t| shape(t)).collect();
-            let found = as_laws(&terms, numbers, &scales, &place, &catalogue)?;
+            let found = known_laws(&terms, numbers, &scales, &place, &catalogue)?;
             Some(found.into_iter().map(|e| (e.entry.id, e.start)).collect::<Vec<_>>())
         };
         let named = |id: &str, numbers: &[f64]| (id.to_owned(), numbers.to_vec());
