@@ -55,12 +55,14 @@ impl Search<'_> {
         }
         let mut searched = searched;
         let asked = searched.changed.take();
+        let asked = asked.unwrap_or_else(|| changed_constants(&searched.base, self.noise));
         let Searched { base, last, candidates, .. } = &searched;
-        let ChangedConstants { all, mut fits } = asked.unwrap_or_else(|| changed_constants(base, self.noise));
-        let alone = fits.first().is_some_and(|f| f.model.effects.len() == 1);
-        if fits.first().is_none_or(|best| !is_finding(best, all, last, *candidates)) {
+        let alone = asked.fits.first().is_some_and(|f| f.model.effects.len() == 1);
+        if asked.fits.first().is_none_or(|best| !is_finding(best, asked.all, last, *candidates)) {
+            searched.changed = Some(asked);
             return (searched, alone);
         }
+        let mut fits = asked.fits;
         let changed = fits.remove(0);
         let rounds = vec![round_from(0, base, &changed, &fits, vec![], *candidates)];
         (Searched { last: changed, rounds, stop: StopReason::White, needed: vec![], ..searched }, alone)
@@ -73,6 +75,15 @@ pub(crate) struct ChangedConstants {
     all: usize,
     /// The models that explain the data, best first.
     pub(crate) fits: Vec<Fitted>,
+    /// The nearest model, where none does.
+    nearest: Option<Fitted>,
+}
+
+impl ChangedConstants {
+    /// The nearest model, and how many constants there are.
+    pub(crate) fn nearest(&self) -> Option<(&Fitted, usize)> {
+        Some((self.fits.first().or(self.nearest.as_ref())?, self.all))
+    }
 }
 
 /// The models in which a few constants of the spec have other values and nothing is added. Constants are freed one after the other beside the few choices that leave
@@ -80,7 +91,7 @@ pub(crate) struct ChangedConstants {
 pub(crate) fn changed_constants(of: &Fitted, noise: &[Vec<f64>]) -> ChangedConstants {
     let base = of.model.without_effects();
     let all = changeable(&base.given.spec);
-    let mut least = f64::INFINITY;
+    let (mut least, mut nearest) = (f64::INFINITY, None);
     let mut from = vec![base];
     for _ in 0..MOST_CHANGED {
         let mut models: Vec<TrialModel> = Vec::new();
@@ -95,15 +106,15 @@ pub(crate) fn changed_constants(of: &Fitted, noise: &[Vec<f64>]) -> ChangedConst
         fits.sort_by(|a, b| a.score.fit.total_cmp(&b.score.fit));
         if fits.iter().any(|f| f.score.explains()) {
             fits.retain(|f| f.score.explains());
-            return ChangedConstants { all: all.len(), fits };
+            return ChangedConstants { all: all.len(), fits, nearest: None };
         }
         // A choice that helps little is none.
         let Some(best) = fits.first().filter(|f| f.score.fit * SUBSTANTIAL <= least) else { break };
-        least = best.score.fit;
+        (least, nearest) = (best.score.fit, Some(best.clone()));
         fits.truncate(CHANGES_KEPT);
         from = fits.iter().map(Fitted::settled).collect();
     }
-    ChangedConstants { all: all.len(), fits: vec![] }
+    ChangedConstants { all: all.len(), fits: vec![], nearest }
 }
 
 /// The names of the constants that changed, in order.
@@ -122,5 +133,5 @@ fn is_finding(changed: &Fitted, constants: usize, last: &Fitted, candidates: usi
     let worse = by.among(constants).criterion(&changed.score) - by.criterion(&last.score);
     let curve = last.model.effects.iter().any(|a| a.effect.entry.law.is_curve());
     let simpler = changed.model.size() < last.model.size() || curve;
-    !last.score.explains() || worse < if simpler { SIMPLER } else { -WORTH }
+    worse < if simpler { SIMPLER } else { -WORTH }
 }

@@ -1,11 +1,13 @@
 //! The end of the workflow: the verdict on the model of a search, doubts, other explanations, the result.
 
 use crate::alternative_constant::alternative_constant;
+use crate::changed_constants::ChangedConstants;
 use crate::data_mistakes::data_mistakes;
 use crate::decisions::{MOST_OF_RESIDUAL, REPEATS, SAME_FREQUENCY, SUBSTANTIAL, SURE, WORTH};
 use crate::drive::Drive;
 use crate::drive_frequency::drive_frequency;
 use crate::formula::{DISCOVERED, expansion};
+use crate::hum::{is_hum, leaves_hum};
 use crate::input_interpolation::{Redrawn, beyond_noise, coarse_inputs, redrawn};
 use crate::model::{
     Applied, ColumnError, Fitted, Measure, TrialModel, current, expression, text_with, values,
@@ -24,7 +26,8 @@ use crate::search::{Round, SEARCHED, Search, Searched, placed, refitted, round_f
 use crate::sensor_linearity::sensor_nonlinearity;
 use crate::spec_mistakes::spec_mistake;
 use phisindy_learn::{
-    Effort, FoundParameter, Identified, Verdict, at_bounds, free_run_horizons, sensitive_starts,
+    Effort, FoundParameter, Identified, Verdict, at_bounds, free_run_horizons, reads_outputs,
+    sensitive_starts,
 };
 use phisindy_phys::spec::Role;
 use phisindy_signal::Interpolation;
@@ -44,6 +47,7 @@ pub(crate) struct Ending<'s, 'a> {
     needed: Vec<PlacedLaw>,
     tried: (Vec<Tried>, Vec<NotTried>),
     force: Option<MissingForce>,
+    changed: Option<ChangedConstants>,
     noise: Vec<Vec<f64>>,
     warnings: Vec<Warning>,
 }
@@ -56,7 +60,7 @@ impl<'s, 'a> Ending<'s, 'a> {
         search: &'s mut Search<'a>,
         mut warnings: Vec<Warning>,
     ) -> Result<Self, GapError> {
-        let Searched { base, last, rounds, candidates, stop, needed, tried, force, changed: _ } = searched;
+        let Searched { base, last, rounds, candidates, stop, needed, tried, force, changed } = searched;
         let (base, last) = (base.chosen(), last.chosen());
         // A white residual is the noise itself: a better estimate than the one from the columns.
         let noise = if last.score.is_white() { last.noise(search.noise) } else { search.noise.to_vec() };
@@ -88,6 +92,7 @@ impl<'s, 'a> Ending<'s, 'a> {
             needed,
             tried,
             force,
+            changed,
             noise,
             warnings,
         })
@@ -122,7 +127,7 @@ impl<'s, 'a> Ending<'s, 'a> {
         };
         let open_end = status == Status::Unexplained && alternative.is_none();
         let judged = if open_end { self.by_the_judge_of_run(searched, determined)? } else { None };
-        let status = judged.unwrap_or(status);
+        let (status, determined) = judged.unwrap_or((status, determined));
         let found = |a: &Applied| a.effect.entry.id == DISCOVERED;
         let status = match status {
             Status::Explained if self.last.model.effects.iter().any(found) => Status::Described,
@@ -140,6 +145,9 @@ impl<'s, 'a> Ending<'s, 'a> {
         let status = match status {
             Status::Explained if steps.iter().any(unlikely) => Status::Undetermined,
             Status::Described if none.is_some_and(|p| p > 0.5) => Status::Undetermined,
+            Status::Described if steps.iter().any(|s| unlikely(s) && s.effect.entry.id != DISCOVERED) => {
+                Status::Undetermined
+            }
             // What another drawing of the inputs could do is no excuse for a force that it cannot make.
             Status::Explained if open > 0.0 && none.is_some_and(|p| p > 0.5) => {
                 if substantial(&steps) == steps.len() { Status::Named } else { Status::Undetermined }
@@ -227,9 +235,20 @@ impl<'s, 'a> Ending<'s, 'a> {
         of.model.with_random_force(&|| observer.stopped())
     }
 
-    /// The same fit, where it needs no force.
+    /// The same fit, where neither it nor that of all records together needs a force: what is noise of another size in the
+    /// Fit records is it in the others.
     fn without_force(&self, of: &Fitted) -> Option<Identified> {
-        self.with_random_force(of).filter(|found| found.verdict == Verdict::Identified)
+        let needs_none = |found: &Identified| found.verdict == Verdict::Identified;
+        let found = self.with_random_force(of).filter(needs_none)?;
+        let (model, observer) = (&of.model, &self.search.observer);
+        if !model.records.iter().any(|r| r.role == Role::Validate) {
+            return Some(found);
+        }
+        // Beside outputs and jumps no fit asks for a force.
+        let asks = !model.system.jumps() && !model.records.iter().any(|r| reads_outputs(&model.system, r));
+        let all = || model.of_all_with_random_force(&|| observer.stopped());
+        let alike = if asks { all().is_some_and(|all| needs_none(&all)) } else { of.score.is_of_one_size() };
+        alike.then_some(found)
     }
 
     /// The pushes between which the model as it is leaves nothing, where nothing else explains the gap or most of it; the
@@ -262,50 +281,89 @@ impl<'s, 'a> Ending<'s, 'a> {
     }
 
     /// The status of the best model of the search, if a fit with a random force on each body needs no force: the noise may
-    /// have a colour, or be larger than the columns tell. The result is that model then.
+    /// have a colour, or be larger than the columns tell. The result is that model then, with so many effects.
     fn by_the_judge_of_run(
         &mut self,
         searched: Vec<Fitted>,
         determined: usize,
-    ) -> Result<Option<Status>, GapError> {
+    ) -> Result<Option<(Status, usize)>, GapError> {
         let by = Measure::of(searched.iter().map(|f| &f.score), self.candidates);
         let criterion = |n: &usize| by.criterion(&searched[*n].score);
         let best = (0..searched.len().min(determined + 1))
             .filter(|n| *n == 0 || searched[*n].follows())
             .min_by(|a, b| criterion(a).total_cmp(&criterion(b)));
         let Some(n) = best.filter(|_| !self.interrupted()) else { return Ok(None) };
-        // Nothing is missing where no law does better.
-        let better = |t: &&Tried| t.gap.is_some() && t.vetoed.is_none();
-        let for_laws: f64 = self.tried.0.iter().filter(better).map(|t| (0.5 * t.score).exp()).sum();
-        if n == 0 && (1.0 + for_laws).recip() < SURE {
-            return Ok(None);
+        if let Some(changed) = self.changed_constants_instead(&searched[n])? {
+            return Ok(Some((Status::Explained, changed)));
         }
-        let Some(found) = self.without_force(&searched[n]) else { return Ok(None) };
+        let with_hum = (0..=n).find(|&n| leaves_hum(&searched[n], &self.noise));
+        let Some((n, found)) =
+            with_hum.map(|n| (n, None)).or_else(|| self.without_force_or_hum(&searched, n))
+        else {
+            return Ok(None);
+        };
         let before = (self.last.clone(), std::mem::replace(&mut self.path, searched));
         self.keep(n)?;
-        self.take_numbers(&found);
+        found.iter().for_each(|found| self.take_numbers(found));
         if self.is_doubted() {
             (self.last, self.path) = before;
             return Ok(None);
         }
-        Ok(Some(match n {
+        let status = match n {
             0 => Status::NothingMissing,
             _ if (0..n).all(|k| self.step(k).is_sure()) => Status::Explained,
             _ => Status::Undetermined,
-        }))
+        };
+        Ok(Some((status, n)))
     }
 
-    /// Drops the last forces of time alone, if the model without them needs no force: they are hum in a sensor. Returns the
-    /// status of what is left.
+    /// The number of effects, of these or but for the last forces of time, beside which no force is left, with that fit; the
+    /// numbers stay as they are where tones of the sensors say more than these forces.
+    fn without_force_or_hum(&self, searched: &[Fitted], n: usize) -> Option<(usize, Option<Identified>)> {
+        // Nothing is missing where no law does better.
+        let better = |t: &&Tried| t.gap.is_some() && t.vetoed.is_none();
+        let for_laws: f64 = self.tried.0.iter().filter(better).map(|t| (0.5 * t.score).exp()).sum();
+        if n == 0 && (1.0 + for_laws).recip() < SURE {
+            return None;
+        }
+        let less = before_forces_of_time(&searched[n].model);
+        let judged = |n: usize| Some((n, Some(self.without_force(&searched[n])?)));
+        let found = if less < n { judged(less) } else { None };
+        let found = found.or_else(|| judged(n))?;
+        let hum = less < found.0 && is_hum(&searched[less], &searched[n], &self.noise);
+        Some(if hum { (less, None) } else { found })
+    }
+
+    /// Takes the nearest model with changed constants, where it says more than the best of the search and needs no force;
+    /// returns how many there are.
+    fn changed_constants_instead(&mut self, best: &Fitted) -> Result<Option<usize>, GapError> {
+        let nearest = self.changed.as_ref().and_then(ChangedConstants::nearest);
+        let Some((effects, all)) = nearest.map(|(fitted, all)| (current(fitted), all)) else {
+            return Ok(None);
+        };
+        let changed = self.base.model.with_all(&effects).ok();
+        let changed = changed.and_then(|model| Fitted::new(model, &self.noise, Effort::Plain).ok());
+        let by = Measure::of(changed.iter().map(|f| &f.score).chain([&best.score]), self.candidates);
+        let better = |f: &Fitted| by.among(all).criterion(&f.score) < by.criterion(&best.score);
+        match changed.filter(|f| better(f) && self.without_force(f).is_some()) {
+            Some(changed) => self.instead(changed, &[]),
+            None => Ok(None),
+        }
+    }
+
+    /// Drops the last forces of time alone, if the model without them needs no force, or tones of the sensors say more: they
+    /// are hum. Returns the status of what is left.
     fn without_hum(&mut self) -> Result<Status, GapError> {
-        let effects = &self.last.model.effects;
-        let n = effects.iter().rposition(|a| !a.effect.entry.law.is_of_time()).map_or(0, |k| k + 1);
-        if n == effects.len() || self.interrupted() {
+        let n = before_forces_of_time(&self.last.model);
+        if n == self.last.model.effects.len() || self.interrupted() {
             return Ok(Status::Explained);
         }
-        let Some(found) = self.without_force(&self.path[n]) else { return Ok(Status::Explained) };
+        let found = self.without_force(&self.path[n]);
+        if found.is_none() && !is_hum(&self.path[n], &self.last, &self.noise) {
+            return Ok(Status::Explained);
+        }
         self.keep(n)?;
-        self.take_numbers(&found);
+        found.iter().for_each(|found| self.take_numbers(found));
         self.warnings.extend(causes(&self.base, &self.last).into_iter().map(Warning::Cause));
         Ok(if n == 0 { Status::NothingMissing } else { Status::Explained })
     }
@@ -445,7 +503,9 @@ impl<'s, 'a> Ending<'s, 'a> {
             self.search.observer.tell(0.95, Activity::Constants);
             let catalogue = self.search.catalogue;
             if let Some(found) = alternative_constant(&whole, catalogue, &self.noise, self.candidates) {
-                if let Some(determined) = found.without.map(|f| self.instead(f)).transpose()?.flatten() {
+                let rival = std::slice::from_ref(&whole);
+                if let Some(determined) = found.without.map(|f| self.instead(f, rival)).transpose()?.flatten()
+                {
                     return Ok((Status::Explained, None, determined));
                 }
                 if found.much_better {
@@ -505,7 +565,7 @@ impl<'s, 'a> Ending<'s, 'a> {
 
     /// Takes these effects, which explain the data, in place of those of the search, unless evidence speaks against them;
     /// returns how many there are.
-    fn instead(&mut self, found: Fitted) -> Result<Option<usize>, GapError> {
+    fn instead(&mut self, found: Fitted, rivals: &[Fitted]) -> Result<Option<usize>, GapError> {
         let before = (self.last.clone(), self.path.clone());
         let base = self.base.clone();
         self.take(&base, found)?;
@@ -514,7 +574,7 @@ impl<'s, 'a> Ending<'s, 'a> {
             return Ok(None);
         }
         let out = std::mem::take(&mut self.rounds).into_iter().flat_map(|round| round.vetoed).collect();
-        self.rounds = vec![round_from(0, &self.base, &self.last, &[before.0], out, self.candidates)];
+        self.rounds = vec![round_from(0, &self.base, &self.last, rivals, out, self.candidates)];
         Ok(Some(self.last.model.effects.len()))
     }
 
@@ -605,6 +665,11 @@ fn rivals_of_the_answer(mut rivals: Vec<Rival>, law: &PlacedLaw, gained_since: f
     rivals.iter_mut().filter(|r| r.laws.contains(law)).for_each(|r| r.delta_bic = r.behind);
     rivals.sort_by(|a, b| a.delta_bic.total_cmp(&b.delta_bic));
     rivals
+}
+
+/// The number of effects before the last ones that are forces of time alone.
+fn before_forces_of_time(model: &TrialModel) -> usize {
+    model.effects.iter().rposition(|a| !a.effect.entry.law.is_of_time()).map_or(0, |k| k + 1)
 }
 
 /// The frequency of the drive (rad/s), where every Fit record is a periodic motion at this one.

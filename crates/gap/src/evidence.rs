@@ -220,15 +220,21 @@ fn returns_energy(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
     (given > GIVES_BACK * taken).then_some(Veto::Pushes)
 }
 
+/// The frequency of an effect that oscillates by itself (rad/s).
+pub(crate) fn frequency(fitted: &Fitted, effect: &Effect) -> Option<f64> {
+    let law = &effect.entry.law;
+    let screen = law.screen.as_ref()?;
+    let oscillates = |name: &String| screen.grid.iter().any(|(grid, unit)| grid == name && unit == "rad/s");
+    let at = law.parameters.iter().position(|(name, _)| oscillates(name))?;
+    numbers(fitted, effect)?.get(at).copied()
+}
+
 /// A periodic force is not identifiable at a frequency of the drive or, without a drive, of the oscillation,
 /// nor at a multiple of it: there it stands for anything nonlinear that is missing. Nor is it where its
 /// period exceeds twice the record.
 fn unidentifiable_tone(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
     let law = &effect.entry.law;
-    let screen = law.screen.as_ref()?;
-    let oscillates = |name: &String| screen.grid.iter().any(|(grid, unit)| grid == name && unit == "rad/s");
-    let at = law.parameters.iter().position(|(name, _)| oscillates(name))?;
-    let frequency = *numbers(fitted, effect)?.get(at)?;
+    let frequency = frequency(fitted, effect)?;
     // The drive of the base model: in the fitted one this force is part of the drive.
     let base = fitted.model.without_effects();
     let span = |r: &Record| r.time[r.len() - 1] - r.time[0];

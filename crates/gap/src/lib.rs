@@ -23,6 +23,7 @@ mod ending;
 mod evaluate;
 mod evidence;
 mod formula;
+mod hum;
 mod impacts;
 mod input_interpolation;
 mod memory;

@@ -104,6 +104,12 @@ fn drift(time: &[f64], residual: &[f64], column: &[f64], of: &Named) -> Option<C
 
 /// A residual that is mostly one tone; its cause need not be a force.
 fn tone(step: f64, residual: &[f64], drive: Option<&mut Drive<'_>>, of: &Named) -> Option<Cause> {
+    let (frequency, share) = tone_of(step, residual, drive)?;
+    Some(Cause::Tone { of: of.clone(), share, frequency })
+}
+
+/// The frequency of a tone that is most of a residual (rad/s), and its share; none of the drive.
+pub(crate) fn tone_of(step: f64, residual: &[f64], drive: Option<&mut Drive<'_>>) -> Option<(f64, f64)> {
     let line = *lines(residual, step, 1, 0).first()?;
     let part = share(residual, line * step);
     // A period longer than the record is no tone. A response at a frequency of the drive is a lack of the
@@ -116,7 +122,7 @@ fn tone(step: f64, residual: &[f64], drive: Option<&mut Drive<'_>>, of: &Named) 
     let driven = drive.is_some_and(|d| {
         d.lines().iter().any(|own| (own - line).abs() * span < TAU) || d.multiple_at(line).is_some()
     });
-    (!driven).then(|| Cause::Tone { of: of.clone(), share: part, frequency: line })
+    (!driven).then_some((line, part))
 }
 
 /// A model with the noise of the measured inputs of its records doubled in power, and the indices of those

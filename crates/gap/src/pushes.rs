@@ -48,6 +48,11 @@ impl TrialModel {
         self.of_pieces(&self.whole(), None, stopped)
     }
 
+    /// The same, of all records together.
+    pub(crate) fn of_all_with_random_force(&self, stopped: &(dyn Fn() -> bool + Sync)) -> Option<Identified> {
+        self.of_pieces(&self.whole(), Some(Role::Fit), stopped)
+    }
+
     /// Each record as one piece.
     fn whole(&self) -> Vec<Piece> {
         let of = |(record, r): (usize, &Record)| Piece { record, samples: 0..r.len() };

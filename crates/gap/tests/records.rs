@@ -132,18 +132,38 @@ fn pushes_that_nobody_measured_are_told_with_their_times() {
     assert!((push.from - 2.0).abs() < 0.06 && (push.to - 3.2).abs() < 0.06, "{push:?}");
 }
 
-/// A tone in a sensor is hum, a force that oscillates moves the mass as the model moves: the same size in the column.
+/// A tone in a sensor is hum, a force that oscillates moves the mass as the model moves: the same size in the column, the
+/// same phase in all.
 #[test]
 fn a_tone_in_a_sensor_is_hum_and_a_force_is_a_force() {
-    let tone = include_str!("../../phys/laws/harmonic-force.ron");
-    let catalogue = [LawEntry::read("harmonic-force", tone).expect("a law")];
+    let laws = [
+        ("harmonic-force", include_str!("../../phys/laws/harmonic-force.ron")),
+        ("cubic-stiffness", include_str!("../../phys/laws/cubic-stiffness.ron")),
+    ];
+    let catalogue = laws.map(|(id, law)| LawEntry::read(id, law).expect("a law"));
+    let named = |gap: &Gap| gap.steps.iter().map(|s| s.effect.entry.id.clone()).collect::<Vec<_>>();
     let hum = |record: &mut Record| {
-        let column = record.columns[0].as_mut().expect("a column");
-        column.iter_mut().zip(&*record.time).for_each(|(x, t)| *x += 2e-4 * (31.0 * t).sin());
+        for (k, size, phase) in [(0, 2e-4, 0.0), (1, 6e-3, 2.0)] {
+            let Some(column) = record.columns[k].as_mut() else { continue };
+            column.iter_mut().zip(&*record.time).for_each(|(x, t)| *x += size * (31.0 * t + phase).sin());
+        }
     };
-    let in_sensor = found(&rig(["0", "0"]), &catalogue, hum);
-    assert_eq!((in_sensor.status, in_sensor.steps.len()), (Status::NothingMissing, 0));
-    let force = "1.5*sin(31.0*t)";
-    let on_mass = found(&rig([force, force]), &catalogue, |_| ());
-    assert_eq!((on_mass.status, on_mass.steps.len()), (Status::Explained, 1));
+    let both = |lacks: &str| {
+        let one = rig([lacks, lacks]).replace(r#"["x"]"#, r#"["x", "v"]"#);
+        one.replace(r#"(5e-5, "m")"#, r#"(5e-5, "m"), "v": (1.5e-3, "m/s")"#)
+    };
+    let (cubic, force) = ("-5e5*x^3", "1.5*sin(31.0*t)");
+    for text in [rig(["0", "0"]), both("0")] {
+        let in_sensor = found(&text, &catalogue, hum);
+        assert_eq!((in_sensor.status, named(&in_sensor)), (Status::NothingMissing, vec![]));
+    }
+    let beside_a_law = found(&both(cubic), &catalogue, hum);
+    assert_eq!(
+        (beside_a_law.status, named(&beside_a_law)),
+        (Status::Explained, vec!["cubic-stiffness".to_owned()])
+    );
+    for text in [rig([force, force]), both(force)] {
+        let on_mass = found(&text, &catalogue, |_| ());
+        assert_eq!((on_mass.status, named(&on_mass)), (Status::Explained, vec!["harmonic-force".to_owned()]));
+    }
 }

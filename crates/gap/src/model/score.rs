@@ -57,7 +57,17 @@ impl Score {
     /// The largest gap of a model that leaves noise alone: what is no force that matters, or what chance makes of the
     /// mean square of so few samples.
     fn at_noise(&self) -> f64 {
-        EXPLAINED.max((1.0 + CHANCE * (2.0 / self.judged.max(1) as f64).sqrt()).sqrt())
+        largest_of_noise(self.judged)
+    }
+
+    /// Whether the Validate records leave no more than the Fit records, but for chance: what is noise has one size.
+    pub(crate) fn is_of_one_size(&self) -> bool {
+        let independent = self.effective / self.samples.max(1) as f64;
+        let error = |samples: usize| 2.0 / (independent * samples as f64).max(1.0);
+        let grows = |validate: f64| 2.0 * (validate / self.fit).ln();
+        self.validate.is_none_or(|validate| {
+            grows(validate) <= CHANCE * (error(self.samples) + error(self.judged)).sqrt()
+        })
     }
 
     /// The criterion, smaller is better: twice the negative log-likelihood plus a price for what was added.
@@ -98,6 +108,11 @@ impl Score {
         let part = self.effective / self.samples.max(1) as f64;
         if part > INDEPENDENT || self.is_white() { 1.0 } else { part }
     }
+}
+
+/// The largest gap that noise alone leaves of so many samples, as [`Score::at_noise`].
+pub(crate) fn largest_of_noise(samples: usize) -> f64 {
+    EXPLAINED.max((1.0 + CHANCE * (2.0 / samples.max(1) as f64).sqrt()).sqrt())
 }
 
 /// ln of the binomial coefficient.

@@ -2,6 +2,7 @@
 //!
 //! A *description* is the set of laws at places that is there, or another one that is the same force (or reading) in these
 //! records: those of [`Truth::alternatives`], and for a force of no catalogue the laws and pairs that hold all but 5 % of it.
+//! A simpler one that leaves less than its price ([`Truth::margin`] below zero) is a description too: no record tells more.
 //! * A named law at its place is right if a description has it.
 //! * A formula (`described`) is right if its forces hold all but 10 % of what is missing along the record not used.
 //! * "None of these" is right where what was found is no description and something is hidden.
@@ -53,6 +54,7 @@ pub(super) fn answer(truth: &Truth, result: &Value, formula: Option<f64>) -> Ans
     let descriptions: Vec<Vec<(String, String)>> = std::iter::once(&own(truth))
         .filter(|own| !own.is_empty())
         .chain(&truth.alternatives)
+        .chain(truth.margin.is_some_and(|margin| margin < 0.0).then_some(&nearest(truth)))
         .map(|set| sorted(set))
         .collect();
     let named = sorted(&found);
@@ -81,6 +83,13 @@ pub(super) fn answer(truth: &Truth, result: &Value, formula: Option<f64>) -> Ans
     let laws =
         if standing == Standing::Failed { vec![] } else { all.iter().filter_map(|s| said(s)).collect() };
     Answer { standing, whole, mark, laws, none, formula }
+}
+
+/// The nearest description with no more numbers, which a truth has in words.
+fn nearest(truth: &Truth) -> Vec<Placed> {
+    let law =
+        |words: &str| words.split_once(" at ").map(|(law, at)| Placed { law: law.into(), at: at.into() });
+    truth.nearest.split(" + ").filter_map(law).collect()
 }
 
 /// What is hidden, in tables.
@@ -148,6 +157,18 @@ mod tests {
         assert_eq!(standing(&two, &said("undetermined"), None), Standing::Honest);
         assert_eq!(standing(&one, r#"{"status": "nothing-missing", "steps": []}"#, None), Standing::Wrong);
         assert_eq!(standing(&one, r#"{"status": "failed"}"#, None), Standing::Failed);
+    }
+
+    /// Of two laws of which the records show one, that one is the answer.
+    #[test]
+    fn what_no_record_shows_is_not_asked() {
+        let mut two =
+            truth("two", &[("coulomb", "v2-v1", &[("Fc", 1.0)]), ("viscous", "v1", &[("dc", 2.0)])]);
+        (two.margin, two.nearest) = (Some(-8.0), "coulomb at v2-v1".into());
+        let said = format!(r#"{{"status": "explained", "steps": [{STEP}]}}"#);
+        assert_eq!(standing(&two, &said, None), Standing::Right);
+        two.margin = Some(8.0);
+        assert_eq!(standing(&two, &said, None), Standing::Wrong);
     }
 
     #[test]
