@@ -4,11 +4,13 @@
 //! displacement and velocity, and a jump at rest, each with a coefficient `N(0, s^2)`. Along the linear responses
 //! `Phi`, with free constants and start states projected out, its evidence against the laws alone is
 //!
-//! `ln Z_0/Z = 1/2 y' Phi (Phi' Phi + s^-2)^-1 Phi' y - 1/2 ln det(1 + s^2 Phi' Phi)`
+//! `ln Z_0/Z = -n/2 ln(1 - y' Phi (Phi' Phi + s^-2)^-1 Phi' y / y'y) - 1/2 ln det(1 + s^2 Phi' Phi)`
 //!
-//! (C. E. Rasmussen and C. K. I. Williams, Gaussian Processes for Machine Learning, 2006, eq. 2.30), averaged over
-//! sizes `s` between what the records can see and the whole force on the body, each as likely beforehand. So a law
-//! that is right pays the process nothing, and one that is only near to what is there loses to it.
+//! (C. E. Rasmussen and C. K. I. Williams, Gaussian Processes for Machine Learning, 2006, eq. 2.30, with the size of the
+//! noise unknown: A. Zellner, An Introduction to Bayesian Inference in Econometrics, 1971, ch. 3), averaged over sizes `s`
+//! between what the records can see and the whole force on the body, each as likely beforehand. So a law that is right pays
+//! the process nothing, and one that is only near to what is there loses to it. Noise of a colour counts with the part of
+//! its samples that is independent.
 
 use crate::decisions::{NONE_BUMPS, NONE_SIZES};
 use crate::input_interpolation::redrawn_runs;
@@ -49,7 +51,8 @@ fn at(last: &Fitted, regression: &PartialRegression, place: &Place) -> Vec<f64> 
     let over_speed = speeds(&kinematics);
     let over_both = if kinematics.has_displacement() { both(&kinematics) } else { vec![] };
     let kernels = [over_speed, over_both].into_iter().filter(|bumps| !bumps.is_empty());
-    kernels.filter_map(|bumps| odds(regression, &kinematics, &bumps, whole)).collect()
+    let independent = last.score.independent();
+    kernels.filter_map(|bumps| odds(regression, &kinematics, &bumps, (whole, independent))).collect()
 }
 
 /// A force at each sample, by record.
@@ -102,8 +105,13 @@ fn whole_force(last: &Fitted, at: &Kinematics, place: &Place) -> Option<f64> {
     (rms.is_finite() && rms > 0.0).then_some(rms)
 }
 
-/// `Z_0/Z`, averaged over the sizes of the force.
-fn odds(regression: &PartialRegression, at: &Kinematics, bumps: &[Force], whole: f64) -> Option<f64> {
+/// `Z_0/Z`, averaged over the sizes of the force up to a whole one, with this part of the samples independent.
+fn odds(
+    regression: &PartialRegression,
+    at: &Kinematics,
+    bumps: &[Force],
+    (whole, independent): (f64, f64),
+) -> Option<f64> {
     let responses: Vec<Vec<f64>> =
         bumps.iter().filter_map(|force| Some(regression.response(at, force, at.rested())?.rows)).collect();
     let (m, y) = (responses.len(), regression.target());
@@ -123,10 +131,12 @@ fn odds(regression: &PartialRegression, at: &Kinematics, bumps: &[Force], whole:
         return None;
     }
     let least = most.sqrt().recip().min(whole);
+    let (power, samples) = (dot(y, y), independent * y.len() as f64);
     let evidence = |s: f64| {
-        let of =
-            |&(seen, said): &(f64, f64)| s * s * said * said / (1.0 + s * s * seen) - (s * s * seen).ln_1p();
-        0.5 * directions.iter().map(of).sum::<f64>()
+        let s2 = independent * s * s;
+        let told: f64 = directions.iter().map(|(seen, said)| s2 * said * said / (1.0 + s2 * seen)).sum();
+        let price: f64 = directions.iter().map(|(seen, _)| (s2 * seen).ln_1p()).sum();
+        -0.5 * (samples * (-told / power).max(-1.0).ln_1p() + price)
     };
     let size = |k: usize| least * (whole / least).powf(k as f64 / (NONE_SIZES - 1) as f64);
     Some((0..NONE_SIZES).map(|k| evidence(size(k)).exp()).sum::<f64>() / NONE_SIZES as f64)
