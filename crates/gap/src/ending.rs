@@ -1,5 +1,7 @@
 //! The end of the workflow: the verdict on the model of a search, doubts, other explanations, the result.
 
+mod noise;
+
 use crate::alternative_constant::alternative_constant;
 use crate::changed_constants::ChangedConstants;
 use crate::data_mistakes::data_mistakes;
@@ -7,7 +9,6 @@ use crate::decisions::{MOST_OF_RESIDUAL, REPEATS, SAME_FREQUENCY, SUBSTANTIAL, S
 use crate::drive::Drive;
 use crate::drive_frequency::drive_frequency;
 use crate::formula::{DISCOVERED, expansion};
-use crate::hum::{is_hum, leaves_hum};
 use crate::input_interpolation::{Redrawn, beyond_noise, coarse_inputs, redrawn};
 use crate::model::{
     Applied, ColumnError, Fitted, Measure, TrialModel, current, expression, text_with, values,
@@ -25,10 +26,7 @@ use crate::result::{
 use crate::search::{Round, SEARCHED, Search, Searched, placed, refitted, round_from};
 use crate::sensor_linearity::sensor_nonlinearity;
 use crate::spec_mistakes::spec_mistake;
-use phisindy_learn::{
-    Effort, FoundParameter, Identified, Verdict, at_bounds, free_run_horizons, reads_outputs,
-    sensitive_starts,
-};
+use phisindy_learn::{Effort, FoundParameter, Identified, at_bounds, free_run_horizons, sensitive_starts};
 use phisindy_phys::spec::Role;
 use phisindy_signal::Interpolation;
 use rayon::prelude::*;
@@ -237,22 +235,6 @@ impl<'s, 'a> Ending<'s, 'a> {
         of.model.with_random_force(&|| observer.stopped())
     }
 
-    /// The same fit, where neither it nor that of all records together needs a force: what is noise of another size in the
-    /// Fit records is it in the others.
-    fn without_force(&self, of: &Fitted) -> Option<Identified> {
-        let needs_none = |found: &Identified| found.verdict == Verdict::Identified;
-        let found = self.with_random_force(of).filter(needs_none)?;
-        let (model, observer) = (&of.model, &self.search.observer);
-        if !model.records.iter().any(|r| r.role == Role::Validate) {
-            return Some(found);
-        }
-        // Beside outputs and jumps no fit asks for a force.
-        let asks = !model.system.jumps() && !model.records.iter().any(|r| reads_outputs(&model.system, r));
-        let all = || model.of_all_with_random_force(&|| observer.stopped());
-        let alike = if asks { all().is_some_and(|all| needs_none(&all)) } else { of.score.is_of_one_size() };
-        alike.then_some(found)
-    }
-
     /// The pushes between which the model as it is leaves nothing, where nothing else explains the gap or most of it; the
     /// result is that model then. Laws beside pushes may stand for what the pushes leave.
     fn pushes(
@@ -280,94 +262,6 @@ impl<'s, 'a> Ending<'s, 'a> {
         self.take_numbers(&found);
         self.run_with_numbers();
         Ok(Some(pushes))
-    }
-
-    /// The status of the best model of the search, if a fit with a random force on each body needs no force: the noise may
-    /// have a colour, or be larger than the columns tell. The result is that model then, with so many effects.
-    fn by_the_judge_of_run(
-        &mut self,
-        searched: Vec<Fitted>,
-        determined: usize,
-    ) -> Result<Option<(Status, usize)>, GapError> {
-        let by = Measure::of(searched.iter().map(|f| &f.score), self.candidates);
-        let criterion = |n: &usize| by.criterion(&searched[*n].score);
-        let best = (0..searched.len().min(determined + 1))
-            .filter(|n| *n == 0 || searched[*n].follows())
-            .min_by(|a, b| criterion(a).total_cmp(&criterion(b)));
-        let Some(n) = best.filter(|_| !self.interrupted()) else { return Ok(None) };
-        if let Some(changed) = self.changed_constants_instead(&searched[n])? {
-            return Ok(Some((Status::Explained, changed)));
-        }
-        let with_hum = (0..=n).find(|&n| leaves_hum(&searched[n], &self.noise));
-        let Some((n, found)) =
-            with_hum.map(|n| (n, None)).or_else(|| self.without_force_or_hum(&searched, n))
-        else {
-            return Ok(None);
-        };
-        let before = (self.last.clone(), std::mem::replace(&mut self.path, searched));
-        self.keep(n)?;
-        found.iter().for_each(|found| self.take_numbers(found));
-        if self.is_doubted() {
-            (self.last, self.path) = before;
-            return Ok(None);
-        }
-        let status = match n {
-            0 => Status::NothingMissing,
-            _ if (0..n).all(|k| self.step(k).is_sure()) => Status::Explained,
-            _ => Status::Undetermined,
-        };
-        Ok(Some((status, n)))
-    }
-
-    /// The number of effects, of these or but for the last forces of time, beside which no force is left, with that fit; the
-    /// numbers stay as they are where tones of the sensors say more than these forces.
-    fn without_force_or_hum(&self, searched: &[Fitted], n: usize) -> Option<(usize, Option<Identified>)> {
-        // Nothing is missing where no law does better.
-        let better = |t: &&Tried| t.gap.is_some() && t.vetoed.is_none();
-        let for_laws: f64 = self.tried.0.iter().filter(better).map(|t| (0.5 * t.score).exp()).sum();
-        if n == 0 && (1.0 + for_laws).recip() < SURE {
-            return None;
-        }
-        let less = before_forces_of_time(&searched[n].model);
-        let judged = |n: usize| Some((n, Some(self.without_force(&searched[n])?)));
-        let found = if less < n { judged(less) } else { None };
-        let found = found.or_else(|| judged(n))?;
-        let hum = less < found.0 && is_hum(&searched[less], &searched[n], &self.noise);
-        Some(if hum { (less, None) } else { found })
-    }
-
-    /// Takes the nearest model with changed constants, where it says more than the best of the search and needs no force;
-    /// returns how many there are.
-    fn changed_constants_instead(&mut self, best: &Fitted) -> Result<Option<usize>, GapError> {
-        let nearest = self.changed.as_ref().and_then(ChangedConstants::nearest);
-        let Some((effects, all)) = nearest.map(|(fitted, all)| (current(fitted), all)) else {
-            return Ok(None);
-        };
-        let changed = self.base.model.with_all(&effects).ok();
-        let changed = changed.and_then(|model| Fitted::new(model, &self.noise, Effort::Plain).ok());
-        let by = Measure::of(changed.iter().map(|f| &f.score).chain([&best.score]), self.candidates);
-        let better = |f: &Fitted| by.among(all).criterion(&f.score) < by.criterion(&best.score);
-        match changed.filter(|f| better(f) && self.without_force(f).is_some()) {
-            Some(changed) => self.instead(changed, &[]),
-            None => Ok(None),
-        }
-    }
-
-    /// Drops the last forces of time alone, if the model without them needs no force, or tones of the sensors say more: they
-    /// are hum. Returns the status of what is left.
-    fn without_hum(&mut self) -> Result<Status, GapError> {
-        let n = before_forces_of_time(&self.last.model);
-        if n == self.last.model.effects.len() || self.interrupted() {
-            return Ok(Status::Explained);
-        }
-        let found = self.without_force(&self.path[n]);
-        if found.is_none() && !is_hum(&self.path[n], &self.last, &self.noise) {
-            return Ok(Status::Explained);
-        }
-        self.keep(n)?;
-        found.iter().for_each(|found| self.take_numbers(found));
-        self.warnings.extend(causes(&self.base, &self.last).into_iter().map(Warning::Cause));
-        Ok(if n == 0 { Status::NothingMissing } else { Status::Explained })
     }
 
     /// Keeps the first `n` effects, with the errors of their numbers.
@@ -667,11 +561,6 @@ fn rivals_of_the_answer(mut rivals: Vec<Rival>, law: &PlacedLaw, gained_since: f
     rivals.iter_mut().filter(|r| r.laws.contains(law)).for_each(|r| r.delta_bic = r.behind);
     rivals.sort_by(|a, b| a.delta_bic.total_cmp(&b.delta_bic));
     rivals
-}
-
-/// The number of effects before the last ones that are forces of time alone.
-fn before_forces_of_time(model: &TrialModel) -> usize {
-    model.effects.iter().rposition(|a| !a.effect.entry.law.is_of_time()).map_or(0, |k| k + 1)
 }
 
 /// The frequency of the drive (rad/s), where every Fit record is a periodic motion at this one.
