@@ -127,7 +127,7 @@ fn changes(model: &TrialModel) -> Vec<&str> {
 /// Whether a model with changed constants that explains the data says more than `last`. In place of as many numbers of
 /// a force that is linear it does not: a missing spring and a stiffness that is too small are the same force. But a curve
 /// that the model holds already is that curve with another number.
-fn is_finding(changed: &Fitted, constants: usize, last: &Fitted, candidates: usize) -> bool {
+pub(crate) fn is_finding(changed: &Fitted, constants: usize, last: &Fitted, candidates: usize) -> bool {
     let by = Measure::of([&changed.score, &last.score], candidates);
     // There are as many choices as constants, and as many as laws at places.
     let worse = by.among(constants).criterion(&changed.score) - by.criterion(&last.score);

@@ -26,6 +26,31 @@ pub(crate) fn is_hum(without: &Fitted, with: &Fitted, noise: &[Vec<f64>]) -> boo
     !tones.is_empty() && samples * (hum.power / force.power).ln() + more * samples.ln() < -WORTH
 }
 
+/// The tones that are most of what is left of a column of the Fit records: each as the two waves that it is made of, by record
+/// and column.
+pub(crate) fn waves_of_tones(of: &Fitted) -> Vec<Vec<Vec<Vec<f64>>>> {
+    let records = of.model.records.iter().zip(&of.cal.records).filter(|(r, _)| r.role == Role::Fit);
+    let fits: Vec<(&Record, &RecordFit)> = records.collect();
+    let nothing = |r: &Record| -> Vec<Vec<f64>> {
+        r.columns.iter().map(|c| c.as_ref().map_or(vec![], |_| vec![0.0; r.len()])).collect()
+    };
+    let mut all = vec![];
+    for (r, (record, fit)) in fits.iter().enumerate() {
+        let mut drive = Drive::new(&of.model.system, record);
+        for k in (0..fit.residuals.len()).filter(|&k| !fit.residuals[k].is_empty()) {
+            let Some((time, _)) = record.own_column(k) else { continue };
+            let tone = tone_of(mean_step(&time), &fit.own_residual(k), drive.as_mut());
+            let Some((frequency, _)) = tone else { continue };
+            for part in [f64::cos, f64::sin] {
+                let mut wave: Vec<Vec<Vec<f64>>> = fits.iter().map(|(record, _)| nothing(record)).collect();
+                wave[r][k] = record.time.iter().map(|t| part(frequency * t)).collect();
+                all.push(wave);
+            }
+        }
+    }
+    all
+}
+
 /// Whether a model leaves noise alone but for a tone in each column, in the Fit records and in all records together.
 pub(crate) fn leaves_hum(of: &Fitted, noise: &[Vec<f64>]) -> bool {
     let records = &of.model.records;

@@ -13,6 +13,7 @@
 //! its samples that is independent.
 
 use crate::decisions::{NONE_BUMPS, NONE_SIZES};
+use crate::hum::waves_of_tones;
 use crate::input_interpolation::redrawn_runs;
 use crate::model::Fitted;
 use crate::place::{Place, Site};
@@ -21,7 +22,7 @@ use faer::{Mat, Side};
 use phisindy_phys::spec::Role;
 
 /// The probability that the missing force is none of the laws of a model; `None` where it has no force, or the
-/// records show none. What another drawing of the inputs between their samples does to the runs is no force.
+/// records show none. What another drawing of the inputs between their samples does to the runs is no force, nor is hum.
 pub(crate) fn probability(last: &Fitted, noise: &[Vec<f64>]) -> Option<f64> {
     let mut places: Vec<&Place> = vec![];
     for place in last.model.effects.iter().map(|a| &a.effect.place) {
@@ -36,6 +37,7 @@ pub(crate) fn probability(last: &Fitted, noise: &[Vec<f64>]) -> Option<f64> {
     if let Some(changes) = redrawn_runs(last) {
         regression.set_aside(&changes);
     }
+    waves_of_tones(last).iter().for_each(|wave| regression.set_aside(wave));
     let odds: Vec<f64> = places.into_iter().flat_map(|place| at(last, &regression, place)).collect();
     let mean = odds.iter().sum::<f64>() / odds.len() as f64;
     (!odds.is_empty() && !mean.is_nan()).then(|| if mean.is_finite() { mean / (1.0 + mean) } else { 1.0 })

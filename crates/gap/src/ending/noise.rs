@@ -1,7 +1,7 @@
 //! What is left is noise, although it is more than the columns tell: noise of another size or colour, hum.
 
 use super::Ending;
-use crate::changed_constants::ChangedConstants;
+use crate::changed_constants::{ChangedConstants, is_finding};
 use crate::decisions::SURE;
 use crate::hum::{is_hum, leaves_hum};
 use crate::model::{Fitted, Measure, TrialModel, current};
@@ -90,9 +90,8 @@ impl Ending<'_, '_> {
         };
         let changed = self.base.model.with_all(&effects).ok();
         let changed = changed.and_then(|model| Fitted::new(model, &self.noise, Effort::Plain).ok());
-        let by = Measure::of(changed.iter().map(|f| &f.score).chain([&best.score]), self.candidates);
-        let better = |f: &Fitted| by.among(all).criterion(&f.score) < by.criterion(&best.score);
-        match changed.filter(|f| better(f) && self.without_force(f).is_some()) {
+        let says_more = |f: &Fitted| is_finding(f, all, best, self.candidates);
+        match changed.filter(|f| says_more(f) && self.without_force(f).is_some()) {
             Some(changed) => self.instead(changed, &[]),
             None => Ok(None),
         }
