@@ -57,8 +57,8 @@ impl Search<'_> {
         let asked = searched.changed.take();
         let asked = asked.unwrap_or_else(|| changed_constants(&searched.base, self.noise));
         let Searched { base, last, candidates, .. } = &searched;
-        let alone = asked.fits.first().is_some_and(|f| f.model.effects.len() == 1);
-        if asked.fits.first().is_none_or(|best| !is_finding(best, asked.all, last, *candidates)) {
+        let alone = asked.explain() && asked.fits[0].model.effects.len() == 1;
+        if !asked.explain() || !is_finding(&asked.fits[0], asked.all, last, *candidates) {
             searched.changed = Some(asked);
             return (searched, alone);
         }
@@ -73,16 +73,19 @@ impl Search<'_> {
 pub(crate) struct ChangedConstants {
     /// How many constants may have one.
     all: usize,
-    /// The models that explain the data, best first.
-    pub(crate) fits: Vec<Fitted>,
-    /// The nearest model, where none does.
-    nearest: Option<Fitted>,
+    /// The models that explain the data, best first; the nearest one, where none does.
+    fits: Vec<Fitted>,
 }
 
 impl ChangedConstants {
+    /// Whether other values explain the data.
+    pub(crate) fn explain(&self) -> bool {
+        self.fits.first().is_some_and(|f| f.score.explains())
+    }
+
     /// The nearest model, and how many constants there are.
     pub(crate) fn nearest(&self) -> Option<(&Fitted, usize)> {
-        Some((self.fits.first().or(self.nearest.as_ref())?, self.all))
+        Some((self.fits.first()?, self.all))
     }
 }
 
@@ -91,7 +94,7 @@ impl ChangedConstants {
 pub(crate) fn changed_constants(of: &Fitted, noise: &[Vec<f64>]) -> ChangedConstants {
     let base = of.model.without_effects();
     let all = changeable(&base.given.spec);
-    let (mut least, mut nearest) = (f64::INFINITY, None);
+    let (mut least, mut nearest) = (f64::INFINITY, vec![]);
     let mut from = vec![base];
     for _ in 0..MOST_CHANGED {
         let mut models: Vec<TrialModel> = Vec::new();
@@ -106,15 +109,15 @@ pub(crate) fn changed_constants(of: &Fitted, noise: &[Vec<f64>]) -> ChangedConst
         fits.sort_by(|a, b| a.score.fit.total_cmp(&b.score.fit));
         if fits.iter().any(|f| f.score.explains()) {
             fits.retain(|f| f.score.explains());
-            return ChangedConstants { all: all.len(), fits, nearest: None };
+            return ChangedConstants { all: all.len(), fits };
         }
         // A choice that helps little is none.
         let Some(best) = fits.first().filter(|f| f.score.fit * SUBSTANTIAL <= least) else { break };
-        (least, nearest) = (best.score.fit, Some(best.clone()));
+        (least, nearest) = (best.score.fit, vec![best.clone()]);
         fits.truncate(CHANGES_KEPT);
         from = fits.iter().map(Fitted::settled).collect();
     }
-    ChangedConstants { all: all.len(), fits: vec![], nearest }
+    ChangedConstants { all: all.len(), fits: nearest }
 }
 
 /// The names of the constants that changed, in order.

@@ -125,6 +125,7 @@ impl<'s, 'a> Ending<'s, 'a> {
         };
         let open_end = status == Status::Unexplained && alternative.is_none();
         let judged = if open_end { self.by_the_judge_of_run(searched, determined)? } else { None };
+        let larger_noise = judged.is_some();
         let (status, determined) = judged.unwrap_or((status, determined));
         let found = |a: &Applied| a.effect.entry.id == DISCOVERED;
         let status = match status {
@@ -139,26 +140,25 @@ impl<'s, 'a> Ending<'s, 'a> {
         let steps: Vec<Step> = (0..self.last.model.effects.len()).map(|k| self.step(k)).collect();
         // No result claims more than its own probability, and a formula no more than that of a force without one.
         let unlikely = |s: &Step| s.probability.is_some() && !s.is_sure();
-        // Pushes, or what is no more than the noise of sensors or inputs leaves, are no force of the motion.
-        let known = status == Status::Explained && self.last.score.explains()
-            || matches!(&alternative, Some(Alternative::InputNoise(n)) if n.left <= n.most)
-            || matches!(&alternative, Some(Alternative::Pushes(_)));
+        let unlikely_law = |s: &Step| unlikely(s) && s.effect.entry.id != DISCOVERED;
         let none = if self.interrupted() { None } else { probability_of_none(&self.last, &self.noise) };
-        let none = none.filter(|p| *p <= 0.5 || !known);
         let status = match status {
             Status::Explained if steps.iter().any(unlikely) => Status::Undetermined,
-            Status::Described if none.is_some_and(|p| p > 0.5) => Status::Undetermined,
-            Status::Described if steps.iter().any(|s| unlikely(s) && s.effect.entry.id != DISCOVERED) => {
+            Status::Described if none.is_some_and(|p| p > 0.5) || steps.iter().any(unlikely_law) => {
                 Status::Undetermined
             }
-            // What another drawing of the inputs could do is no excuse for a force that it cannot make, nor is noise of
-            // another size.
-            Status::Explained if none.is_some_and(|p| p > 0.5) => {
+            // Another drawing of the inputs is no excuse for a force that it cannot make; nor is noise of another size.
+            Status::Explained if (open > 0.0 || larger_noise) && none.is_some_and(|p| p > 0.5) => {
                 let named = open > 0.0 && substantial(&steps) == steps.len();
                 if named { Status::Named } else { Status::Undetermined }
             }
             other => other,
         };
+        // What is left of an answer, or is no more than the noise of its inputs leaves, is no force.
+        let answered = matches!(status, Status::Explained | Status::Described)
+            || matches!(&alternative, Some(Alternative::InputNoise(n)) if n.left <= n.most)
+            || matches!(&alternative, Some(Alternative::Pushes(_)));
+        let none = none.filter(|p| *p <= 0.5 || !answered);
         // What was stopped was not compared with all that could do as well.
         let status = match status {
             Status::Explained | Status::Described | Status::Named if self.interrupted() => {

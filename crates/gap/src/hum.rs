@@ -1,18 +1,18 @@
-//! Hum: a tone in a sensor beside a force of this frequency. A force shows in all columns as the rig passes it on, hum in
-//! each as it likes.
+//! Hum: a tone in a sensor. A force of the same frequency moves the rig, and all columns follow it; hum has an amplitude and
+//! a phase of its own in each column.
 
-use crate::decisions::{NOT_WHITE, WORTH};
+use crate::decisions::WORTH;
 use crate::drive::Drive;
 use crate::evidence::frequency;
-use crate::model::{Fitted, joint, largest_of_noise, measured};
+use crate::model::{Fitted, measured};
 use crate::other_causes::tone_of;
-use crate::whiteness::{mean_step, score};
+use crate::screen::dot;
+use crate::whiteness::mean_step;
 use phisindy_learn::RecordFit;
+use phisindy_phys::Record;
 use phisindy_phys::spec::Role;
-use phisindy_phys::{Record, System};
 
-/// Whether tones of the sensors themselves say more of the Fit records than forces of time, which `with` has and `without`
-/// does not.
+/// Whether hum describes the Fit records better than the forces of time that `with` has and `without` lacks.
 pub(crate) fn is_hum(without: &Fitted, with: &Fitted, noise: &[Vec<f64>]) -> bool {
     let of_time = with.model.effects.iter().filter(|a| a.effect.entry.law.is_of_time());
     let tones: Vec<f64> = of_time.filter_map(|a| frequency(with, &a.effect)).collect();
@@ -26,8 +26,7 @@ pub(crate) fn is_hum(without: &Fitted, with: &Fitted, noise: &[Vec<f64>]) -> boo
     !tones.is_empty() && samples * (hum.power / force.power).ln() + more * samples.ln() < -WORTH
 }
 
-/// The tones that are most of what is left of a column of the Fit records: each as the two waves that it is made of, by record
-/// and column.
+/// For each column of a Fit record that leaves mostly one tone, the cosine and the sine of this tone, by record and column.
 pub(crate) fn waves_of_tones(of: &Fitted) -> Vec<Vec<Vec<Vec<f64>>>> {
     let records = of.model.records.iter().zip(&of.cal.records).filter(|(r, _)| r.role == Role::Fit);
     let fits: Vec<(&Record, &RecordFit)> = records.collect();
@@ -51,54 +50,6 @@ pub(crate) fn waves_of_tones(of: &Fitted) -> Vec<Vec<Vec<Vec<f64>>>> {
     all
 }
 
-/// Whether a model leaves noise alone but for a tone in each column, in the Fit records and in all records together.
-pub(crate) fn leaves_hum(of: &Fitted, noise: &[Vec<f64>]) -> bool {
-    let records = &of.model.records;
-    let fits = records.iter().map(|record| record.role == Role::Fit);
-    is_noise_and_hum(&of.model.system, fits.clone().zip(&**records).zip(&of.cal.records), noise) && {
-        let all = || {
-            joint(&of.settled(), noise).is_some_and(|(records, cal)| {
-                is_noise_and_hum(&of.model.system, records.iter().map(|r| (true, r)).zip(&cal.records), noise)
-            })
-        };
-        fits.clone().all(|fit| fit) || all()
-    }
-}
-
-/// Whether what is left of these records, those that count, is noise but for a tone in each column; there is one at least.
-fn is_noise_and_hum<'r>(
-    system: &System,
-    records: impl Iterator<Item = ((bool, &'r Record), &'r RecordFit)>,
-    noise: &[Vec<f64>],
-) -> bool {
-    let (mut power, mut samples, mut tones) = (0.0, 0, 0);
-    for (((counts, record), fit), noise) in records.zip(noise) {
-        if !counts {
-            continue;
-        }
-        if fit.run.is_none() {
-            return false;
-        }
-        let mut drive = Drive::new(system, record);
-        let columns = (0..record.columns.len()).filter(|&k| record.columns[k].is_some());
-        for ((k, residual), noise) in columns.zip(measured(fit)).zip(noise) {
-            let Some((time, column)) = record.own_column(k) else { return false };
-            let mut rest = residual.into_owned();
-            if let Some((tone, _)) = tone_of(mean_step(&time), &rest, drive.as_mut()) {
-                set_aside_tones(&mut rest, &time, &[tone]);
-                tones += 1;
-            }
-            if score(&rest, &column) >= NOT_WHITE {
-                return false;
-            }
-            power += rest.iter().map(|e| (e / noise).powi(2)).sum::<f64>();
-            samples += rest.len();
-        }
-    }
-    tones > 0
-        && (power / f64::from(u32::try_from(samples).unwrap_or(u32::MAX))).sqrt() < largest_of_noise(samples)
-}
-
 /// What is left of the columns of the Fit records.
 struct Left {
     /// Sum of (residual / noise)^2.
@@ -117,7 +68,7 @@ fn left(of: &Fitted, tones: &[f64], noise: &[Vec<f64>]) -> Option<Left> {
             let time = record.own_times.of(k, &record.time);
             let mut rest: Vec<f64> = residual.iter().map(|e| e / noise).collect();
             set_aside_tones(&mut rest, &time, tones);
-            all.power += rest.iter().map(|e| e * e).sum::<f64>();
+            all.power += dot(&rest, &rest);
             all.samples += rest.len();
             all.columns += 1;
         }
@@ -140,9 +91,9 @@ fn set_aside_tones(column: &mut [f64], time: &[f64], tones: &[f64]) {
 
 /// Takes out of `values` what they have in common with `wave`.
 fn set_aside(values: &mut [f64], wave: &[f64]) {
-    let product: f64 = values.iter().zip(wave).map(|(v, w)| v * w).sum();
-    let square: f64 = wave.iter().map(|w| w * w).sum();
+    let square = dot(wave, wave);
     if square > 0.0 {
-        values.iter_mut().zip(wave).for_each(|(v, w)| *v -= product / square * w);
+        let part = dot(values, wave) / square;
+        values.iter_mut().zip(wave).for_each(|(v, w)| *v -= part * w);
     }
 }

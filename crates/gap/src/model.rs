@@ -11,12 +11,12 @@ mod spec_text;
 mod trial_model;
 
 pub use error::ModelError;
-pub(crate) use fitted::{Fitted, current, joint, measured, values};
+pub(crate) use fitted::{Fitted, current, measured, values};
 pub(crate) use input_error::ColumnError;
 pub(crate) use records::{noise_of, shortened};
 #[cfg(test)]
 pub(crate) use score::tests;
-pub(crate) use score::{Measure, Score, largest_of_noise};
+pub(crate) use score::{Measure, Score};
 pub use spec_text::SpecTextError;
 pub(crate) use spec_text::{expression, text_with};
 pub use trial_model::{Applied, TrialModel};

@@ -180,7 +180,7 @@ impl Search<'_> {
             // second round can say more.
             if rounds.len() == 1 && changed.is_none() {
                 let found = changed_constants(&base, self.noise);
-                let explain = !found.fits.is_empty();
+                let explain = found.explain();
                 changed = Some(found);
                 if explain {
                     break StopReason::NothingHelps;

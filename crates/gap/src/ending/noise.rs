@@ -1,9 +1,9 @@
-//! What is left is noise, although it is more than the columns tell: noise of another size or colour, hum.
+//! Noise that is larger than the columns tell, or has a colour: where it is all that is left, nothing else is missing.
 
 use super::Ending;
 use crate::changed_constants::{ChangedConstants, is_finding};
 use crate::decisions::SURE;
-use crate::hum::{is_hum, leaves_hum};
+use crate::hum::is_hum;
 use crate::model::{Fitted, Measure, TrialModel, current};
 use crate::other_causes::causes;
 use crate::result::{GapError, Status, Tried, Warning};
@@ -11,8 +11,8 @@ use phisindy_learn::{Effort, Identified, Verdict, reads_outputs};
 use phisindy_phys::spec::Role;
 
 impl Ending<'_, '_> {
-    /// The same fit, where neither it nor that of all records together needs a force: what is noise of another size in the
-    /// Fit records is it in the others.
+    /// The fit with a random force, where no force is left, neither in the Fit records nor in all records together: noise has
+    /// one size.
     fn without_force(&self, of: &Fitted) -> Option<Identified> {
         let needs_none = |found: &Identified| found.verdict == Verdict::Identified;
         let found = self.with_random_force(of).filter(needs_none)?;
@@ -20,10 +20,10 @@ impl Ending<'_, '_> {
         if !model.records.iter().any(|r| r.role == Role::Validate) {
             return Some(found);
         }
-        // Beside outputs and jumps no fit asks for a force.
-        let asks = !model.system.jumps() && !model.records.iter().any(|r| reads_outputs(&model.system, r));
+        // With outputs or jumps no fit looks for a force.
+        let looks = !model.system.jumps() && !model.records.iter().any(|r| reads_outputs(&model.system, r));
         let all = || model.of_all_with_random_force(&|| observer.stopped());
-        let alike = if asks { all().is_some_and(|all| needs_none(&all)) } else { of.score.is_of_one_size() };
+        let alike = if looks { all().is_some_and(|all| needs_none(&all)) } else { of.score.is_of_one_size() };
         alike.then_some(found)
     }
 
@@ -43,12 +43,7 @@ impl Ending<'_, '_> {
         if let Some(changed) = self.changed_constants_instead(&searched[n])? {
             return Ok(Some((Status::Explained, changed)));
         }
-        let with_hum = (0..=n).find(|&n| leaves_hum(&searched[n], &self.noise));
-        let Some((n, found)) =
-            with_hum.map(|n| (n, None)).or_else(|| self.without_force_or_hum(&searched, n))
-        else {
-            return Ok(None);
-        };
+        let Some((n, found)) = self.without_force_or_hum(&searched, n) else { return Ok(None) };
         let before = (self.last.clone(), std::mem::replace(&mut self.path, searched));
         self.keep(n)?;
         found.iter().for_each(|found| self.take_numbers(found));
@@ -64,8 +59,8 @@ impl Ending<'_, '_> {
         Ok(Some((status, n)))
     }
 
-    /// The number of effects, of these or but for the last forces of time, beside which no force is left, with that fit; the
-    /// numbers stay as they are where tones of the sensors say more than these forces.
+    /// How many of the first `n` effects it takes until no force is left, and the fit that shows it. Forces of time at the end
+    /// are not needed where they are hum; then no fit shows it.
     fn without_force_or_hum(&self, searched: &[Fitted], n: usize) -> Option<(usize, Option<Identified>)> {
         // Nothing is missing where no law does better.
         let better = |t: &&Tried| t.gap.is_some() && t.vetoed.is_none();
@@ -97,8 +92,8 @@ impl Ending<'_, '_> {
         }
     }
 
-    /// Drops the last forces of time alone, if the model without them needs no force, or tones of the sensors say more: they
-    /// are hum. Returns the status of what is left.
+    /// Drops forces of time at the end of the model where they are hum: no force is left without them, or tones in the sensors
+    /// describe the records better. Returns the status of what remains.
     pub(super) fn without_hum(&mut self) -> Result<Status, GapError> {
         let n = before_forces_of_time(&self.last.model);
         if n == self.last.model.effects.len() || self.interrupted() {

@@ -125,7 +125,11 @@ impl Fitted {
     fn together(&self, noise: &[Vec<f64>]) -> Option<Together> {
         self.only_noise_on_fit().filter(|_| !self.model.stop.requested())?;
         let model = self.settled();
-        let (records, cal) = joint(&model, noise)?;
+        let joint = |records: &[Record]| -> Vec<Record> {
+            records.iter().map(|r| Record { role: Role::Fit, continues: None, ..r.clone() }).collect()
+        };
+        let (records, smooth) = (joint(&model.records), joint(&model.smooth));
+        let cal = calibrate(&model.system, &records, &smooth, noise, Effort::Plain).ok()?;
         let fits = of(&self.cal, Role::Fit);
         let rise = power(&cal, noise, &fits).0 - power(&self.cal, noise, &fits).0;
         // The rise of chi^2 that this many parameters cause by chance: mean plus five standard deviations.
@@ -310,16 +314,6 @@ fn whiteness_of(cal: &Calibration, records: &[Record], of: impl Fn(usize, usize)
         }
     }
     worst
-}
-
-/// A fit of all records of a model together, and these.
-pub(crate) fn joint(model: &TrialModel, noise: &[Vec<f64>]) -> Option<(Vec<Record>, Calibration)> {
-    let all = |records: &[Record]| -> Vec<Record> {
-        records.iter().map(|r| Record { role: Role::Fit, continues: None, ..r.clone() }).collect()
-    };
-    let (records, smooth) = (all(&model.records), all(&model.smooth));
-    let cal = calibrate(&model.system, &records, &smooth, noise, Effort::Plain).ok()?;
-    Some((records, cal))
 }
 
 /// The residuals of the measured columns of a record, each at its own samples; none where its run fails.

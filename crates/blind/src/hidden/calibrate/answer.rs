@@ -2,7 +2,8 @@
 //!
 //! A *description* is the set of laws at places that is there, or another one that is the same force (or reading) in these
 //! records: those of [`Truth::alternatives`], and for a force of no catalogue the laws and pairs that hold all but 5 % of it.
-//! A simpler one that leaves less than its price ([`Truth::margin`] below zero) is a description too: no record tells more.
+//! A simpler description counts too, if it leaves a chi square below 9 for each number that it saves ([`Truth::margin`] is
+//! then below zero).
 //! * A named law at its place is right if a description has it.
 //! * A formula (`described`) is right if its forces hold all but 10 % of what is missing along the record not used.
 //! * "None of these" is right where what was found is no description and something is hidden.
@@ -159,9 +160,9 @@ mod tests {
         assert_eq!(standing(&one, r#"{"status": "failed"}"#, None), Standing::Failed);
     }
 
-    /// Of two laws of which the records show one, that one is the answer.
+    /// Where the records show one of two laws, that one is the answer.
     #[test]
-    fn what_no_record_shows_is_not_asked() {
+    fn a_law_that_the_records_do_not_show_need_not_be_found() {
         let mut two =
             truth("two", &[("coulomb", "v2-v1", &[("Fc", 1.0)]), ("viscous", "v1", &[("dc", 2.0)])]);
         (two.margin, two.nearest) = (Some(-8.0), "coulomb at v2-v1".into());
