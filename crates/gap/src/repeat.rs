@@ -3,7 +3,7 @@
 
 use crate::decisions::{PERIOD_FINE_STEP, PERIOD_STEP, PERIODIC, STEADY, TREND};
 use crate::whiteness::{lines, mean_step};
-use phisindy_signal::standard_deviation;
+use phisindy_signal::{lowest_point, standard_deviation};
 
 /// The repeatability of one column of a record.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,7 +45,8 @@ pub fn repeatability(time: &[f64], column: &[f64]) -> Option<Repeat> {
         return None;
     }
     // An error of the period counts as scatter, so the period is refined between its neighbours on the grid.
-    let period = least(&miss, best.1 * (1.0 - PERIOD_STEP), best.1 * (1.0 + PERIOD_STEP));
+    let reach = PERIOD_STEP * best.1;
+    let period = lowest_point(best.1 - reach, best.1 + reach, 1e-7 * best.1, miss);
     // A transient decays; scatter is the same in both halves.
     let middle = n / 2;
     let (early, late) = (scatter(&column[..middle], period), scatter(&column[middle..], period));
@@ -103,21 +104,10 @@ pub(crate) fn prediction(
     };
     let grid = (-10..=10).map(|k| own.period * (1.0 + PERIOD_FINE_STEP * f64::from(k)));
     let coarse = grid.min_by(|a, b| miss(*a).total_cmp(&miss(*b)))?;
-    let period = least(&miss, coarse * (1.0 - PERIOD_FINE_STEP), coarse * (1.0 + PERIOD_FINE_STEP));
+    let reach = PERIOD_FINE_STEP * coarse;
+    let period = lowest_point(coarse - reach, coarse + reach, 1e-7 * coarse, miss);
     let (_, rms) = errors(period);
     Some(Repeat { period, nrmse: rms / deviation, rms })
-}
-
-/// Where a function of one variable is least between two values, by golden section (Kiefer 1953,
-/// doi 10.1090/S0002-9939-1953-0055639-3).
-fn least(of: &dyn Fn(f64) -> f64, from: f64, to: f64) -> f64 {
-    let golden = 0.5 * (5f64.sqrt() - 1.0);
-    let (mut a, mut b) = (from, to);
-    while b - a > 1e-7 * b.abs() {
-        let (left, right) = (b - golden * (b - a), a + golden * (b - a));
-        if of(left) < of(right) { b = right } else { a = left }
-    }
-    0.5 * (a + b)
 }
 
 /// rms difference of successive cycles over root 2, and the correlation of successive differences.

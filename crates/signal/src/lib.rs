@@ -7,9 +7,11 @@
 //!                                     +--Signal--> value and slope at any time
 //! residual --whiteness_p_value, whiteness_score--> is it more than white noise?
 //!     +--effective_samples--> effective number of independent samples
+//!     +--worth_of_colour--> is it noise with a colour?
 //! ```
 
 mod autocorrelation;
+mod autoregression;
 mod band;
 mod blocks;
 mod derivative;
@@ -28,6 +30,7 @@ mod trend;
 mod whiteness;
 
 pub use autocorrelation::{autocorrelation, effective_samples};
+pub use autoregression::{innovations, worth_of_colour};
 pub use band::{integral, lowest_frequency, twice_integrated};
 pub use blocks::Blocks;
 pub use derivative::{Differentiated, Differentiator, Smoothing, automatic, differentiate};
@@ -37,6 +40,6 @@ pub use lines::{Line, strongest_line, strongest_lines, tone_share};
 pub use noise_level::quantum::{quantum, rounding_error};
 pub use noise_level::{noise_level, noise_level_at};
 pub use piecewise_constant::{holds_levels, moves_by_jumps};
-pub use statistics::{bounds, median, standard_deviation};
+pub use statistics::{bounds, lowest_point, median, standard_deviation};
 pub use trend::{Detrend, Trend};
 pub use whiteness::{whiteness_p_value, whiteness_score};

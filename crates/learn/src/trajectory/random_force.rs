@@ -17,10 +17,10 @@ use crate::trajectory::kalman_smoother::reads_outputs;
 use crate::trajectory::noise::{ColumnNoise, least_noise_of};
 use crate::trajectory::problem::{Noise, Problem};
 use crate::trajectory::remainder::remainders;
-use crate::trajectory::tally::{Tally, weighed};
+use crate::trajectory::tally::{Tally, weighed, whitened_by};
 use phisindy_phys::spec::SegmentsSpec;
 use phisindy_phys::{Record, System};
-use phisindy_signal::mean_step;
+use phisindy_signal::{lowest_point, mean_step, worth_of_colour};
 use rayon::prelude::*;
 
 /// White forces on the rates of states.
@@ -52,6 +52,12 @@ impl RandomForce {
         let intensities = vec![vec![0.0; groups.len()]; smooth.len()];
         RandomForce { groups, intensities }
     }
+}
+
+/// By how much twice the logarithm of the likelihood of a fit rises with noise of a colour.
+fn colour_of(fit: &Fit<'_>) -> f64 {
+    let residuals = fit.problem.residuals(&fit.x).unwrap_or_default();
+    whitened_by(&fit.weights, &residuals).map(|column| worth_of_colour(&column)).sum()
 }
 
 fn rms_slope(time: &[f64], column: &[f64]) -> Option<f64> {
@@ -155,7 +161,7 @@ impl<'a> Context<'a> {
     }
 
     /// The same terms with random forces, and by how much twice the logarithm of the likelihood is above that
-    /// of single runs without.
+    /// of single runs without, whose noise may have a colour.
     fn forced(&self, fit: &Fit<'a>) -> Option<(Fit<'a>, f64)> {
         let terms = &fit.problem.terms;
         let n = self.system.states.len();
@@ -202,7 +208,7 @@ impl<'a> Context<'a> {
         let normal = problem.minimise(&mut x, &weights, Limits::of(FINE_MINIMUM)).ok()?;
         let residuals = problem.residuals(&x).ok()?;
         let Tally { samples, effective, .. } = weighed(&weights, &residuals);
-        let gain = fit.deviance().map_or(f64::INFINITY, |free| free - unlikelihood);
+        let gain = fit.deviance().map_or(f64::INFINITY, |free| free - colour_of(fit) - unlikelihood);
         let pieces = vec![1; self.records.len()];
         let force = Some(force);
         Some((
@@ -242,13 +248,13 @@ impl<'a> Context<'a> {
             };
             for reach in FORCE_SEARCH {
                 for k in 0..at.len() {
-                    let mut along = |v: f64| {
+                    let along = |v: f64| {
                         let mut there = at.clone();
                         there[k] = v;
                         value(&there)
                     };
                     let low = (at[k] - reach).max(lowest[k]);
-                    at[k] = lowest_point(low, at[k] + reach, &mut along);
+                    at[k] = lowest_point(low, at[k] + reach, 0.02, along);
                 }
             }
             let intensities = at[..groups].iter().map(|v| v.exp()).collect::<Vec<f64>>();
@@ -266,23 +272,4 @@ impl<'a> Context<'a> {
         }
         Some(())
     }
-}
-
-/// The lowest point of a function between two, by golden section to a hundredth of the logarithm.
-fn lowest_point(mut a: f64, mut b: f64, f: &mut impl FnMut(f64) -> f64) -> f64 {
-    let ratio = 0.5 * (5.0_f64.sqrt() - 1.0);
-    let (mut left, mut right) = (b - ratio * (b - a), a + ratio * (b - a));
-    let (mut low, mut high) = (f(left), f(right));
-    while b - a > 0.02 {
-        if low < high {
-            (b, right, high) = (right, left, low);
-            left = b - ratio * (b - a);
-            low = f(left);
-        } else {
-            (a, left, low) = (left, right, high);
-            right = a + ratio * (b - a);
-            high = f(right);
-        }
-    }
-    0.5 * (a + b)
 }
