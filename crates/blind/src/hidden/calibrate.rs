@@ -79,11 +79,11 @@ fn world(seed: u64, index: usize) -> Result<(Made, Dice)> {
 fn answered(args: &CalibrateArgs, options: &Options, index: usize) -> Result<Option<World>> {
     let set = args.out.join(format!("{index:03}"));
     let kept = set.join("result.json");
+    if !kept.exists() && interrupt::requested() {
+        return Ok(None);
+    }
+    let (made, mut dice) = world(args.seed, index)?;
     if !kept.exists() {
-        if interrupt::requested() {
-            return Ok(None);
-        }
-        let (made, mut dice) = world(args.seed, index)?;
         let folder = Folder::create(&set)?;
         write::write(&folder, index, &made, &mut dice)?;
         let program = Program::find(options)?;
@@ -93,14 +93,8 @@ fn answered(args: &CalibrateArgs, options: &Options, index: usize) -> Result<Opt
     }
     let truth: Truth = read(&set.join("truth.json"), "is no truth")?;
     let result: Value = read(&kept, "is damaged; delete it to run its world again")?;
-    let steps = steps(&result);
-    let formula = if result["status"] == "described" {
-        let (made, _) = world(args.seed, index)?;
-        forces(&made, &steps).and_then(|found| force_error(&made, &found))
-    } else {
-        None
-    };
-    let answer = answer::answer(&truth, &result, formula);
+    let error = forces(&made, &steps(&result)).and_then(|found| force_error(&made, &found));
+    let answer = answer::answer(&truth, &result, error);
     Ok(Some(World { set: format!("{index:03}"), truth, answer }))
 }
 

@@ -16,6 +16,8 @@ use std::collections::BTreeSet;
 const ROWS: usize = 500;
 /// No record shows a smaller chi square.
 const SAME: f64 = 1.0;
+/// A simpler description is one too, where it leaves a chi square below this for each number that it saves.
+const PRICE: f64 = 9.0;
 
 /// Laws and places of a description.
 pub(super) type Named = Vec<(String, String)>;
@@ -334,6 +336,11 @@ impl<'a> Comparison<'a> {
             let falls = of(&|_, v| (-(v / vs).powi(2)).exp() * sign(v));
             self.push("stribeck", place, 3, true, vec![of(&|_, v| sign(v)), falls]);
         }
+        for share in [0.03, 0.1, 0.2, 0.3, 0.5, 0.8, 1.5] {
+            let falls = of(&|_, v| v / (1.0 + v.abs() / (share * speed)));
+            self.push("digressive-damping", place, 2, false, vec![falls]);
+        }
+        self.push("bilinear-damping", place, 2, false, vec![of(&|_, v| v.max(0.0)), of(&|_, v| v.min(0.0))]);
         for p in [0.3, 0.5, 0.7, 1.4, 1.7, 2.4, 2.8, 3.5] {
             self.push("power-law-damping", place, 2, false, vec![of(&|_, v| v.abs().powf(p) * sign(v))]);
         }
@@ -513,12 +520,12 @@ impl<'a> Comparison<'a> {
             let as_simple = own == freedom
                 || (asymmetric && own == freedom + 1)
                 || (own < freedom && list.iter().any(|(law, _)| law == "asymmetric-coulomb"));
-            if left < SAME && as_simple {
-                if !judgement.same.contains(&list) {
-                    judgement.same.push(list);
-                }
-            } else if own <= freedom {
-                let margin = left - 9.0 * (freedom - own) as f64;
+            let margin = left - PRICE * freedom.saturating_sub(own) as f64;
+            let same = left < SAME && as_simple;
+            if (same || (own < freedom && margin < 0.0)) && !judgement.same.contains(&list) {
+                judgement.same.push(list.clone());
+            }
+            if !same && own <= freedom {
                 if margin < judgement.margin {
                     judgement.margin = margin;
                     let words: Vec<String> = list.iter().map(|(law, at)| format!("{law} at {at}")).collect();

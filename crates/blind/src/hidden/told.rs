@@ -18,11 +18,9 @@ pub(super) fn alternatives(
 ) -> Vec<Vec<Placed>> {
     let (columns, column) = (measured.len(), measured[0].1.as_str());
     let base = matches!(rig.drive, Drive::Base { .. });
-    let mut all: Vec<Vec<Placed>> = judgement
-        .same
-        .iter()
-        .map(|set| set.iter().map(|(law, at)| Placed { law: law.clone(), at: at.clone() }).collect())
-        .collect();
+    let placed = |law: &str, at: &str| Placed { law: law.to_owned(), at: at.to_owned() };
+    let mut all: Vec<Vec<Placed>> =
+        judgement.same.iter().map(|set| set.iter().map(|(law, at)| placed(law, at)).collect()).collect();
     let put = |k: usize, with: Vec<Placed>| {
         let mut set: Vec<Placed> = Vec::new();
         for (i, e) in effects.iter().enumerate() {
@@ -35,15 +33,7 @@ pub(super) fn alternatives(
         set
     };
     for (k, e) in effects.iter().enumerate() {
-        let placed = |law: &str, at: &str| Placed { law: law.to_owned(), at: at.to_owned() };
         let mut more = Vec::new();
-        // A spring or a damper with another number is another number of the spec.
-        let letter = ["k", "c"][usize::from(e.law == "viscous")];
-        if matches!(e.law.as_str(), "stiffness" | "viscous")
-            && let Some(name) = constant_at(rig, &e.at, letter)
-        {
-            more.push(put(k, vec![placed(phisindy_gap::CHANGED, &name)]));
-        }
         if e.law == "asymmetric-coulomb" {
             more.push(put(k, vec![placed("coulomb", &e.at), placed("offset", &e.at)]));
         }
@@ -82,6 +72,24 @@ pub(super) fn alternatives(
         }
         all.extend(more);
     }
+    // A spring or a damper with another number is another number of the spec.
+    let own: Vec<Placed> = effects.iter().map(|e| placed(&e.law, &e.at)).collect();
+    let linear = |law: &Placed| {
+        let letter = match law.law.as_str() {
+            "stiffness" => "k",
+            "viscous" => "c",
+            _ => return None,
+        };
+        constant_at(rig, &law.at, letter).map(|name| placed(phisindy_gap::CHANGED, &name))
+    };
+    let changed: Vec<Vec<Placed>> = std::iter::once(&own)
+        .chain(&all)
+        .flat_map(|set| {
+            let with = |k: usize| Some([&set[..k], &[linear(&set[k])?], &set[k + 1..]].concat());
+            (0..set.len()).filter_map(with).collect::<Vec<_>>()
+        })
+        .collect();
+    all.extend(changed);
     let mut unique: Vec<Vec<Placed>> = Vec::new();
     for mut set in all {
         set.sort();

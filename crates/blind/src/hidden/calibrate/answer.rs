@@ -1,17 +1,17 @@
 //! What the program said of a world, beside what is there: the one place that decides what is right.
 //!
 //! A *description* is the set of laws at places that is there, or another one that is the same force (or reading) in these
-//! records: those of [`Truth::alternatives`], and for a force of no catalogue the laws and pairs that hold all but 5 % of it.
-//! A simpler description counts too, if it leaves a chi square below 9 for each number that it saves ([`Truth::margin`] is
-//! then below zero).
+//! records: those of [`Truth::alternatives`], and for a force of no catalogue all laws whose forces, with the numbers that were
+//! found, hold all but 5 % of what is missing along the record not used.
 //! * A named law at its place is right if a description has it.
-//! * A formula (`described`) is right if its forces hold all but 10 % of what is missing along the record not used.
+//! * A formula (`described`) is right if its forces hold all but 10 % of what is missing there.
 //! * "None of these" is right where what was found is no description and something is hidden.
 //! * A verdict with exit 0 is right if its laws are a description (`named`: a part of one), and no interval of a number misses by
 //!   twice its half-width. Anything else with exit 0 is wrong. A verdict with exit 1 is honest.
 
 use crate::hidden::formula::WRONG;
 use crate::hidden::mark::{Mark, Verdict, mark, own, placed, sorted, steps};
+use crate::hidden::rivals::NEAR;
 use crate::hidden::truth::{Placed, Truth};
 use serde_json::Value;
 
@@ -43,26 +43,27 @@ pub(super) struct Answer {
     pub(super) laws: Vec<Said>,
     /// Of a force without a form.
     pub(super) none: Option<Said>,
-    /// The error of its forces, where it has a formula.
-    pub(super) formula: Option<f64>,
+    /// The error of its forces, where that was asked.
+    pub(super) error: Option<f64>,
 }
 
-/// Compares an answer with the truth. `formula` is the error of its forces, where it has a formula.
-pub(super) fn answer(truth: &Truth, result: &Value, formula: Option<f64>) -> Answer {
+/// Compares an answer with the truth. `error` is that of its forces, rms over rms of what is missing along the record not used.
+pub(super) fn answer(truth: &Truth, result: &Value, error: Option<f64>) -> Answer {
     let mark = mark(truth, result);
     let all = steps(result);
     let found: Vec<Placed> = all.iter().map(|step| placed(step)).collect();
+    let named = sorted(&found);
+    let hides = truth.kind != "nothing";
+    let near = truth.kind == "outside" && error.is_some_and(|error| error <= NEAR);
     let descriptions: Vec<Vec<(String, String)>> = std::iter::once(&own(truth))
         .filter(|own| !own.is_empty())
         .chain(&truth.alternatives)
-        .chain(truth.margin.is_some_and(|margin| margin < 0.0).then_some(&nearest(truth)))
         .map(|set| sorted(set))
+        .chain(near.then(|| named.clone()))
         .collect();
-    let named = sorted(&found);
-    let hides = truth.kind != "nothing";
     let whole = if hides { descriptions.contains(&named) } else { named.is_empty() };
     let part = !named.is_empty() && descriptions.iter().any(|d| named.iter().all(|n| d.contains(n)));
-    let holds = formula.is_some_and(|error| error <= WRONG);
+    let holds = error.is_some_and(|error| error <= WRONG);
     let standing = match mark.status.as_str() {
         _ if mark.verdict == Verdict::Failed => Standing::Failed,
         "unexplained" | "undetermined" | "contradictory" => Standing::Honest,
@@ -83,14 +84,7 @@ pub(super) fn answer(truth: &Truth, result: &Value, formula: Option<f64>) -> Ans
     let none = none.map(|probability| Said { probability, right: hides && !whole && !holds });
     let laws =
         if standing == Standing::Failed { vec![] } else { all.iter().filter_map(|s| said(s)).collect() };
-    Answer { standing, whole, mark, laws, none, formula }
-}
-
-/// The nearest description with no more numbers, which a truth has in words.
-fn nearest(truth: &Truth) -> Vec<Placed> {
-    let law =
-        |words: &str| words.split_once(" at ").map(|(law, at)| Placed { law: law.into(), at: at.into() });
-    truth.nearest.split(" + ").filter_map(law).collect()
+    Answer { standing, whole, mark, laws, none, error }
 }
 
 /// What is hidden, in tables.
@@ -121,10 +115,10 @@ pub(super) fn told(set: &str, truth: &Truth, answer: &Answer) -> String {
     let fitted = truth.gap_fitted.map_or(String::new(), |g| format!(", gap of {g:.2} beside free constants"));
     let said: Vec<String> = answer.laws.iter().map(|s| format!("{:.3}", s.probability)).collect();
     let none = answer.none.map_or(String::new(), |s| format!(", none {:.3}", s.probability));
-    let formula = answer.formula.map_or(String::new(), |e| format!(", forces off by {:.1} %", 100.0 * e));
+    let error = answer.error.map_or(String::new(), |e| format!(", forces off by {:.1} %", 100.0 * e));
     let far = if answer.mark.far { ", an interval misses" } else { "" };
     format!(
-        "{set} {:?}: {hidden}{apart}{shown}{fitted}; {}, noise of {} {} %\n    said {}: {} [{}]{none}{formula}{far}\n",
+        "{set} {:?}: {hidden}{apart}{shown}{fitted}; {}, noise of {} {} %\n    said {}: {} [{}]{none}{error}{far}\n",
         answer.standing,
         truth.rig,
         truth.noise_kind,
@@ -140,8 +134,8 @@ mod tests {
     use super::*;
     use crate::hidden::mark::tests::truth;
 
-    fn standing(truth: &Truth, result: &str, formula: Option<f64>) -> Standing {
-        answer(truth, &serde_json::from_str(result).expect("JSON"), formula).standing
+    fn standing(truth: &Truth, result: &str, error: Option<f64>) -> Standing {
+        answer(truth, &serde_json::from_str(result).expect("JSON"), error).standing
     }
 
     const STEP: &str = r#"{"law": "coulomb", "at": "v1-v2", "probability": 0.97, "parameters": {"Fc": {"value": 1.04, "ci95": [1.01, 1.07]}}}"#;
@@ -158,18 +152,6 @@ mod tests {
         assert_eq!(standing(&two, &said("undetermined"), None), Standing::Honest);
         assert_eq!(standing(&one, r#"{"status": "nothing-missing", "steps": []}"#, None), Standing::Wrong);
         assert_eq!(standing(&one, r#"{"status": "failed"}"#, None), Standing::Failed);
-    }
-
-    /// Where the records show one of two laws, that one is the answer.
-    #[test]
-    fn a_law_that_the_records_do_not_show_need_not_be_found() {
-        let mut two =
-            truth("two", &[("coulomb", "v2-v1", &[("Fc", 1.0)]), ("viscous", "v1", &[("dc", 2.0)])]);
-        (two.margin, two.nearest) = (Some(-8.0), "coulomb at v2-v1".into());
-        let said = format!(r#"{{"status": "explained", "steps": [{STEP}]}}"#);
-        assert_eq!(standing(&two, &said, None), Standing::Right);
-        two.margin = Some(8.0);
-        assert_eq!(standing(&two, &said, None), Standing::Wrong);
     }
 
     #[test]
@@ -195,7 +177,11 @@ mod tests {
         assert_eq!(compared.standing, Standing::Wrong);
         assert_eq!(compared.laws, [Said { probability: 0.9, right: false }]);
         assert_eq!(compared.none, Some(Said { probability: 0.3, right: true }));
-        // A law that holds all but 5 % of it.
+        // A law that holds all but 5 % of it, as it was found or as it is there.
+        let near = answer(&outside, &serde_json::from_str(law).expect("JSON"), Some(0.04));
+        assert_eq!((near.standing, near.laws[0].right), (Standing::Right, true));
+        let far = answer(&outside, &serde_json::from_str(law).expect("JSON"), Some(0.06));
+        assert_eq!((far.standing, far.laws[0].right), (Standing::Wrong, false));
         outside.alternatives = vec![vec![Placed { law: "coulomb".into(), at: "v".into() }]];
         let compared = of(&outside, law);
         assert_eq!(compared.standing, Standing::Right);

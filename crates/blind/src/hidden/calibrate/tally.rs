@@ -73,7 +73,7 @@ fn reliability(all: &[World]) -> String {
 
 /// What is said of forces of no catalogue.
 fn strangers(all: &[World]) -> String {
-    let apart = |w: &&World| w.truth.apart.is_some_and(|a| a > APART);
+    let apart = |w: &&World| w.truth.apart.is_some_and(|a| a > APART) && !w.answer.whole;
     let some: Vec<&World> = all.iter().filter(apart).collect();
     let shown: Vec<&World> =
         some.iter().filter(|w| w.truth.shown.is_some_and(|s| s > SEEN)).copied().collect();
