@@ -4,12 +4,12 @@
 use crate::decisions::{CHANGES_KEPT, CONSTANT_OFF, MOST_CHANGED, SIMPLER, SUBSTANTIAL, WORTH};
 use crate::model::{Fitted, Measure, TrialModel};
 use crate::place::{Effect, Place, Site};
-use crate::result::{Activity, StopReason};
-use crate::search::{Search, Searched, round_from};
+use crate::result::{Activity, Rival, StopReason};
+use crate::search::{Search, Searched, rival, round_from};
 use phisindy_learn::Effort;
-use phisindy_phys::LawEntry;
 use phisindy_phys::spec::{ConstantSpec, Spec, Text};
 use phisindy_phys::unit::Unit;
+use phisindy_phys::{Law, LawEntry};
 use rayon::prelude::*;
 
 /// Part of the work that is done when the constants are asked.
@@ -64,7 +64,9 @@ impl Search<'_> {
         }
         let mut fits = asked.fits;
         let changed = fits.remove(0);
-        let rounds = vec![round_from(0, base, &changed, &fits, vec![], *candidates)];
+        let mut round = round_from(0, base, &changed, &fits, vec![], *candidates);
+        round.rivals.extend(other_kinds(&searched, &changed, asked.all));
+        let rounds = vec![round];
         (Searched { last: changed, rounds, stop: StopReason::White, needed: vec![], ..searched }, alone)
     }
 }
@@ -118,6 +120,24 @@ pub(crate) fn changed_constants(of: &Fitted, noise: &[Vec<f64>]) -> ChangedConst
         from = fits.iter().map(Fitted::settled).collect();
     }
     ChangedConstants { all: all.len(), fits: nearest }
+}
+
+/// The laws of the only round of a search as rivals of a model with changed constants, of which there are so many.
+fn other_kinds(searched: &Searched, changed: &Fitted, constants: usize) -> Vec<Rival> {
+    let (last, [round]) = (&searched.last, &searched.rounds[..]) else { return vec![] };
+    let by = Measure::of([&changed.score, &last.score], searched.candidates);
+    let behind = by.criterion(&last.score) - by.among(constants).criterion(&changed.score);
+    let other = |r: &Rival| {
+        let mut laws = r.model.iter().flat_map(|m| m.effects.iter().map(|a| &a.effect.entry.law));
+        laws.any(|law| is_other_than_a_number(law))
+    };
+    let all = round.rivals.iter().cloned().chain([rival(last, 0, 0.0)]).filter(other);
+    all.map(|r| Rival { delta_bic: r.delta_bic + behind, ..r }).collect()
+}
+
+/// Whether a law is more than another number of a spring or a damper: a linear force is the same thing.
+pub(crate) fn is_other_than_a_number(law: &Law) -> bool {
+    law.is_curve() || law.has_memory() || law.sensor.is_some() || law.input.is_some()
 }
 
 /// The names of the constants that changed, in order.

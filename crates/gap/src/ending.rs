@@ -143,6 +143,9 @@ impl<'s, 'a> Ending<'s, 'a> {
         let unlikely_law = |s: &Step| unlikely(s) && s.effect.entry.id != DISCOVERED;
         let none = if self.interrupted() { None } else { probability_of_none(&self.last, &self.noise) };
         let status = match status {
+            Status::NothingMissing if self.last.score.explains() && !self.nothing_is_sure() => {
+                Status::Undetermined
+            }
             Status::Explained if steps.iter().any(unlikely) => Status::Undetermined,
             Status::Described if none.is_some_and(|p| p > 0.5) || steps.iter().any(unlikely_law) => {
                 Status::Undetermined

@@ -1,29 +1,52 @@
 //! Hum: a tone in a sensor. A force of the same frequency moves the rig, and all columns follow it; hum has an amplitude and
 //! a phase of its own in each column.
 
-use crate::decisions::WORTH;
 use crate::drive::Drive;
 use crate::evidence::frequency;
 use crate::model::{Fitted, measured};
 use crate::other_causes::tone_of;
 use crate::screen::dot;
 use crate::whiteness::mean_step;
-use phisindy_learn::RecordFit;
+use phisindy_learn::{Effort, RecordFit};
 use phisindy_phys::Record;
 use phisindy_phys::spec::Role;
+use std::sync::Arc;
 
-/// Whether hum describes the Fit records better than the forces of time that `with` has and `without` lacks.
-pub(crate) fn is_hum(without: &Fitted, with: &Fitted, noise: &[Vec<f64>]) -> bool {
+/// By how much hum describes the Fit records better than the forces of time that `with` has and `without` lacks (BIC); `None`
+/// where there is no tone among these.
+pub(crate) fn evidence_of_hum(without: &Fitted, with: &Fitted, noise: &[Vec<f64>]) -> Option<f64> {
     let of_time = with.model.effects.iter().filter(|a| a.effect.entry.law.is_of_time());
     let tones: Vec<f64> = of_time.filter_map(|a| frequency(with, &a.effect)).collect();
-    let (Some(hum), Some(force)) = (left(without, &tones, noise), left(with, &[], noise)) else {
-        return false;
-    };
+    if tones.is_empty() {
+        return None;
+    }
+    let (hum, force) =
+        (left(&free_of_tones(without, &tones, noise)?, &tones, noise)?, left(with, &[], noise)?);
     // Each tone has an amplitude and a phase in each column; a force has one amplitude, and a phase in each record.
     let records = with.model.fit_records();
     let more = tones.len() as f64 * (2.0 * hum.columns as f64 - 1.0 - records as f64);
     let samples = hum.samples as f64;
-    !tones.is_empty() && samples * (hum.power / force.power).ln() + more * samples.ln() < -WORTH
+    Some(samples * (force.power / hum.power).ln() - more * samples.ln())
+}
+
+/// The fit of the same model to records whose columns have lost what they leave of tones of these frequencies: hum bends its
+/// numbers.
+fn free_of_tones(of: &Fitted, tones: &[f64], noise: &[Vec<f64>]) -> Option<Fitted> {
+    let mut model = of.settled();
+    for (record, fit) in Arc::make_mut(&mut model.records).iter_mut().zip(&of.cal.records) {
+        let columns: Vec<usize> =
+            (0..record.columns.len()).filter(|&k| record.columns[k].is_some()).collect();
+        for (k, residual) in columns.into_iter().zip(measured(fit)) {
+            let time = record.own_times.of(k, &record.time);
+            let mut rest = residual.to_vec();
+            set_aside_tones(&mut rest, &time, tones);
+            let Some(column) = record.columns[k].as_mut().filter(|c| c.len() == rest.len()) else {
+                return None;
+            };
+            column.iter_mut().zip(residual.iter().zip(&rest)).for_each(|(y, (e, rest))| *y -= e - rest);
+        }
+    }
+    Fitted::new(model, noise, Effort::Plain).ok()
 }
 
 /// For each column of a Fit record that leaves mostly one tone, the cosine and the sine of this tone, by record and column.

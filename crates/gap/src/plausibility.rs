@@ -17,7 +17,7 @@ use phisindy_phys::spec::Role;
 pub(crate) fn vetoed(last: &Fitted) -> Vec<(usize, Vetoed)> {
     let of = |(k, applied): (usize, &Applied)| {
         let why = against(last, &applied.effect).or_else(|| undetermined(last, applied))?;
-        Some((k, Vetoed { law: PlacedLaw::of(&applied.effect), why, left: last.score.fit }))
+        Some((k, Vetoed { law: PlacedLaw::of(&applied.effect), why, score: last.score.clone() }))
     };
     last.model.effects.iter().enumerate().filter_map(of).collect()
 }

@@ -19,7 +19,7 @@ use crate::decisions::{
 use crate::evidence::{against, stands};
 use crate::impacts::with_impact;
 use crate::input_interpolation::Drawing;
-use crate::model::{Fitted, Measure, TrialModel, current};
+use crate::model::{Fitted, Measure, Score, TrialModel, current};
 use crate::place::Effect;
 use crate::plausibility::{may_be_undetermined, vetoed};
 use crate::result::tried::weighed;
@@ -57,8 +57,8 @@ pub(crate) struct Round {
 enum SecondPass {
     /// A better model with one effect more, or with other effects.
     More(Box<Fitted>, Round),
-    /// Models with one effect more that are nearly worth their price.
-    Near(Vec<Rival>),
+    /// Models with one effect more, none of which is worth its price.
+    Near(Round),
 }
 
 /// How a search ended.
@@ -162,6 +162,8 @@ impl Search<'_> {
         let mut now = base.clone().on_trial();
         let mut rounds = Vec::new();
         let (mut candidates, mut weak) = (1, 0);
+        // The round that found nothing worth its price.
+        let mut fruitless: Option<Round> = None;
         let mut first: Option<(Vec<Tried>, Vec<NotTried>)> = None;
         let mut changed = None;
         let drawing = Drawing::of(&base, self.noise);
@@ -199,7 +201,9 @@ impl Search<'_> {
             candidates = candidates.max(screening.candidates.len());
             first.get_or_insert_with(|| screened(&screening));
             let start = Start { now: &now, model, screening, candidates, drawing: &drawing };
-            let Some((next, round)) = self.round(&start) else {
+            let (next, round) = self.round(&start);
+            let Some(next) = next else {
+                fruitless = Some(round);
                 let stopped = self.observer.stopped();
                 break if stopped { StopReason::Interrupted } else { StopReason::NothingHelps };
             };
@@ -226,10 +230,11 @@ impl Search<'_> {
                     now = *more;
                     stop = self.ends(&now, rounds.len(), weak).unwrap_or(stop);
                 }
-                SecondPass::Near(rivals) => {
+                SecondPass::Near(round) => {
                     if let Some(last) = rounds.last_mut() {
-                        last.rivals.extend(rivals);
+                        last.rivals.extend(round.rivals.iter().filter(|r| r.delta_bic < WORTH).cloned());
                     }
+                    fruitless = fruitless.or(Some(round));
                 }
             }
         }
@@ -243,7 +248,8 @@ impl Search<'_> {
                 Target::AlongData,
             )?))
         });
-        let tried = after_fits(first.unwrap_or_default(), &rounds, &now);
+        let all: Vec<&Round> = rounds.iter().chain(&fruitless).collect();
+        let tried = after_fits(first.unwrap_or_default(), &all, &now);
         Ok(Searched {
             base,
             last: now,
@@ -277,8 +283,8 @@ impl Search<'_> {
         }
     }
 
-    /// One round: adds the best single law or the best pair; `None` if nothing is worth its price.
-    fn round(&mut self, start: &Start<'_>) -> Option<(Fitted, Round)> {
+    /// One round: adds the best single law or the best pair; no model if nothing is worth its price.
+    fn round(&mut self, start: &Start<'_>) -> (Option<Fitted>, Round) {
         let Start { now, candidates, .. } = *start;
         let before = start.before();
         let mut vetoed: Vec<Vetoed> = Vec::new();
@@ -290,12 +296,15 @@ impl Search<'_> {
         if let Some(best) = best.as_ref().filter(enough) {
             let best = self.simplified(best.clone(), candidates);
             let best = self.exchanged(self.relocated(best, candidates), candidates);
-            return Some((best.clone(), round(now, &best, &singles, vetoed, candidates)));
+            let round = round(now, &best, &singles, vetoed, candidates);
+            return (Some(best), round);
         }
         let (pairs, pair) = self.best_pairs(start, &singles, best.as_ref(), &mut vetoed);
         let settled = pair.as_ref().filter(|pair| !pair.score.is_white()).map(|pair| placed(&pair.model));
         let all: Vec<Fitted> = singles.into_iter().chain(pairs).collect();
-        let chosen = one_or_two(best, pair, before, candidates)?;
+        let Some(chosen) = one_or_two(best, pair, before, candidates) else {
+            return (None, round(now, now, &all, vetoed, candidates));
+        };
         let chosen = self.simplified(chosen, candidates);
         let chosen =
             if settled == Some(placed(&chosen.model)) { chosen } else { self.relocated(chosen, candidates) };
@@ -303,9 +312,10 @@ impl Search<'_> {
         let by = Measure::of([&chosen.score, &now.score], candidates);
         let gain = by.criterion(&now.score) - by.criterion(&chosen.score);
         if chosen.model.effects.len() <= before && gain <= WORTH {
-            return None;
+            return (None, round(now, now, &all, vetoed, candidates));
         }
-        Some((chosen.clone(), round(now, &chosen, &all, vetoed, candidates)))
+        let round = round(now, &chosen, &all, vetoed, candidates);
+        (Some(chosen), round)
     }
 
     /// Models with one effect more, best first: the leading laws of the screening, then relatives of the
@@ -438,7 +448,7 @@ impl Search<'_> {
         first: &mut Option<(Vec<Tried>, Vec<NotTried>)>,
     ) -> SecondPass {
         let before = now.model.effects.len();
-        let nothing = SecondPass::Near(vec![]);
+        let nothing = SecondPass::Near(round_from(0, now, now, &[], vec![], candidates));
         if before + 1 >= MOST_EFFECTS || !now.score.is_white() || now.rests() {
             return nothing;
         }
@@ -472,8 +482,7 @@ impl Search<'_> {
             f.score.is_white() && worth(now, f, candidates) && gain > WORTH + extra
         };
         let Some(best) = preferred(&all, candidates).filter(more).cloned() else {
-            let near = round_from(0, now, now, &all, vetoed, candidates).rivals.into_iter();
-            return SecondPass::Near(near.filter(|r| r.delta_bic < WORTH).collect());
+            return SecondPass::Near(round_from(0, now, now, &all, vetoed, candidates));
         };
         // The effects found first may have compensated for part of the new one.
         let effects = current(&best);
@@ -770,9 +779,9 @@ fn ruled_out(model: &Fitted, vetoed: &mut Vec<Vetoed>) -> bool {
     }
     let veto = model.model.effects.iter().find_map(|a| Some((&a.effect, against(model, &a.effect)?)));
     let Some((effect, why)) = veto else { return false };
-    let own = Vetoed { law: PlacedLaw::of(effect), why, left: model.score.fit };
+    let own = Vetoed { law: PlacedLaw::of(effect), why, score: model.score.clone() };
     match vetoed.iter_mut().find(|v| v.law.law == own.law.law) {
-        Some(told) if own.left < told.left => *told = own,
+        Some(told) if own.score.fit < told.score.fit => *told = own,
         Some(_) => {}
         None => vetoed.push(own),
     }
@@ -796,10 +805,10 @@ pub(crate) fn round_from(
     // The fit that leaves least decides whether a law is ruled out.
     let better = |v: &Vetoed, f: &Fitted| {
         let alone = matches!(&label(&f.model, before)[..], [one] if one.law == v.law.law);
-        alone && !f.cal.hopeless && f.score.fit <= v.left
+        alone && !f.cal.hopeless && f.score.fit <= v.score.fit
     };
     vetoed.retain(|v| !all.iter().any(|f| better(v, f)));
-    let fitted = fitted_alone(now, all.iter().chain([chosen]), candidates);
+    let fitted = fitted_alone(now, all.iter().chain([chosen]), &vetoed, candidates);
     let own = label(&chosen.model, 0);
     let by = Measure::of(all.iter().chain([chosen]).map(|f| &f.score), candidates);
     // A law and the two whose sum it is are one force.
@@ -842,20 +851,23 @@ fn forces(model: &TrialModel) -> Vec<(&str, &str)> {
     all
 }
 
-/// The models with one effect more than `now`: law and place, the gap that is left, the gain of the
-/// criterion.
+/// The models with one effect more than `now`, and laws that are ruled out, alone or beside another one: law and place, the gap
+/// that is left, the gain of the criterion.
 fn fitted_alone<'f>(
     now: &Fitted,
-    all: impl Iterator<Item = &'f Fitted> + Clone,
+    all: impl Iterator<Item = &'f Fitted>,
+    vetoed: &[Vetoed],
     candidates: usize,
 ) -> Vec<(PlacedLaw, f64, f64)> {
-    let by = Measure::of(all.clone().map(|f| &f.score).chain([&now.score]), candidates);
-    let alone = |f: &&Fitted| f.model.effects.len() == now.model.effects.len() + 1;
-    let of = |f: &Fitted| {
-        let last = PlacedLaw::of(&f.model.effects.last()?.effect);
-        Some((last, f.score.gap(), by.criterion(&now.score) - by.criterion(&f.score)))
+    let alone = all.filter(|f| f.model.effects.len() == now.model.effects.len() + 1);
+    let last = |f: &'f Fitted| Some((PlacedLaw::of(&f.model.effects.last()?.effect), &f.score));
+    let out = vetoed.iter().map(|v| (v.law.clone(), &v.score));
+    let all: Vec<(PlacedLaw, &Score)> = alone.filter_map(last).chain(out).collect();
+    let by = Measure::of(all.iter().map(|(_, score)| *score).chain([&now.score]), candidates);
+    let of = |(law, score): (PlacedLaw, &Score)| {
+        (law, score.gap(), by.criterion(&now.score) - by.criterion(score))
     };
-    all.filter(alone).filter_map(of).collect()
+    all.into_iter().map(of).collect()
 }
 
 /// What a screening tried, and what it could not try.
@@ -882,7 +894,7 @@ fn screened(screening: &Screening) -> (Vec<Tried>, Vec<NotTried>) {
 /// What was tried in the first screening, with what its fits say, best first.
 fn after_fits(
     (mut tried, mut left_out): (Vec<Tried>, Vec<NotTried>),
-    rounds: &[Round],
+    rounds: &[&Round],
     last: &Fitted,
 ) -> (Vec<Tried>, Vec<NotTried>) {
     for t in &mut tried {
@@ -920,7 +932,8 @@ mod tests {
         let viscous = with("viscous", include_str!("../../phys/laws/viscous.ron"));
         let round = |left: f64| {
             let law = PlacedLaw::of(&viscous.model.effects[0].effect);
-            let vetoed = vec![Vetoed { law, why: Veto::FeedsMotion, left }];
+            let score = Score { fit: left, ..viscous.score.clone() };
+            let vetoed = vec![Vetoed { law, why: Veto::FeedsMotion, score }];
             let now = fitted(base.clone(), &noise);
             round_from(0, &now, &coulomb, std::slice::from_ref(&viscous), vetoed, 2)
         };

@@ -4,6 +4,7 @@
 use phisindy_gap::{Alternative, Gap, Status, gap, standing};
 use phisindy_phys::spec::Spec;
 use phisindy_phys::{Case, LawEntry, Origin, Record, SourceId, check, spec};
+use phisindy_signal::test_signals::gaussian;
 use phisindy_sim::synthesize;
 use std::ops::ControlFlow;
 
@@ -160,10 +161,96 @@ fn a_tone_in_a_sensor_is_hum_and_a_force_is_a_force() {
     let beside_a_law = found(&both(cubic), &catalogue, hum);
     assert_eq!(
         (beside_a_law.status, named(&beside_a_law)),
-        (Status::Explained, vec!["cubic-stiffness".to_owned()])
+        (Status::Explained, vec!["cubic-stiffness".to_owned()]),
+        "{:?}",
+        beside_a_law.none
     );
     for text in [rig([force, force]), both(force)] {
         let on_mass = found(&text, &catalogue, |_| ());
         assert_eq!((on_mass.status, named(&on_mass)), (Status::Explained, vec!["harmonic-force".to_owned()]));
     }
+}
+
+/// The same rig with an accelerometer alone.
+fn with_accelerometer(lacks: &str) -> String {
+    let one = rig([lacks, lacks]).replace(r#"["x"]"#, r#"["a"]"#);
+    let one = one.replace(r#""x": (5e-5, "m")"#, r#""a": (0.05, "m/s^2")"#);
+    one.replace(r#"inertia: {"#, r#"outputs: { "a": (unit: "m/s^2", reads: "rate(v)") }, inertia: {"#)
+}
+
+/// A force of one frequency is not left as noise of another size, however large it is; hum is no force.
+#[test]
+fn a_tone_of_an_accelerometer_is_not_passed_over() {
+    let law = include_str!("../../phys/laws/harmonic-force.ron");
+    let catalogue = [LawEntry::read("harmonic-force", law).expect("a law")];
+    let on_mass = found(&with_accelerometer("1.5*sin(31.0*t)"), &catalogue, |_| ());
+    assert!(on_mass.status != Status::NothingMissing && on_mass.steps.len() <= 1, "{:?}", on_mass.status);
+    let hum = |record: &mut Record| {
+        let Some(column) = record.columns[2].as_mut() else { panic!("an accelerometer") };
+        column.iter_mut().zip(&*record.time).for_each(|(a, t)| *a += 0.4 * (31.0 * t).sin());
+    };
+    let in_sensor = found(&with_accelerometer("0"), &catalogue, hum);
+    let said = in_sensor.status;
+    assert!(said == Status::NothingMissing || said == Status::Undetermined, "{said:?}");
+}
+
+/// Each reading keeps four fifths of the last one's error.
+fn with_slow_noise(record: &mut Record) {
+    let white = gaussian(record.len(), record.name.len() as u64);
+    let Some(column) = record.columns[0].as_mut() else { panic!("a displacement") };
+    let mut last = 0.0;
+    for (x, e) in column.iter_mut().zip(white) {
+        last = 0.8 * last + 1.2e-4 * e;
+        *x += last;
+    }
+}
+
+/// Noise with a colour is no force: a complete model stays as it is, and a law that is there is the answer.
+#[test]
+fn noise_with_a_colour_is_no_force() {
+    let laws = [
+        ("coulomb", include_str!("../../phys/laws/coulomb.ron")),
+        ("viscous", include_str!("../../phys/laws/viscous.ron")),
+        ("cubic-stiffness", include_str!("../../phys/laws/cubic-stiffness.ron")),
+    ];
+    let catalogue = laws.map(|(id, law)| LawEntry::read(id, law).expect("a law"));
+    let complete = found(&rig(["0", "0"]), &catalogue, with_slow_noise);
+    assert_eq!((complete.status, complete.steps.len()), (Status::NothingMissing, 0));
+    let cubic = found(&rig(["-5e5*x^3", "-5e5*x^3"]), &catalogue, with_slow_noise);
+    let named: Vec<&str> = cubic.steps.iter().map(|s| s.effect.entry.id.as_str()).collect();
+    assert_eq!((cubic.status, &named[..]), (Status::Explained, &["cubic-stiffness"][..]), "{:?}", cubic.none);
+}
+
+/// A spring so faint that the residual is white is not told, nor is it said that nothing is missing.
+#[test]
+fn nothing_is_missing_where_no_law_is_likely() {
+    let law = include_str!("../../phys/laws/quadratic-stiffness.ron");
+    let catalogue = [LawEntry::read("quadratic-stiffness", law).expect("a law")];
+    let status = |lacks: &str| found(&rig([lacks, lacks]), &catalogue, |_| ()).status;
+    assert_eq!([status("0"), status("-1.6*x^2")], [Status::NothingMissing, Status::Undetermined]);
+}
+
+/// A decay that is too noisy to tell drag from a damping constant that changed: neither is said alone.
+#[test]
+fn a_constant_that_changed_has_laws_as_rivals() {
+    let record = |start: &str, duration: f64, seed: usize, role: &str| {
+        format!(
+            r#"Synthetic(name: "{role}", truth: {{ "v": "-0.02*v*abs(v)/m" }}, start: {{ {start} }}, duration: {duration:?}, step: 0.18,
+                noise: Additive(0.15), measure: ["x"], seed: {seed}, role: {role})"#
+        )
+    };
+    let text = format!(
+        r#"(constants: {{ "m": (1.0, "kg"), "k": (1.0, "N/m"), "c": (0.03, "N*s/m") }}, states: {{ "x": "m", "v": "m/s" }},
+            known: {{ "x": "v", "v": "(-c*v - k*x)/m" }}, inertia: {{ "v": "m" }}, unknown: {{}}, data: [{}, {}])"#,
+        record(r#""x": 1.0, "v": 0.0"#, 40.0, 2, "Fit"),
+        record(r#""x": 0.9, "v": 0.3"#, 26.0, 12, "Validate")
+    );
+    let law = include_str!("../../phys/laws/quadratic-drag.ron");
+    let catalogue = [LawEntry::read("quadratic-drag", law).expect("a law")];
+    let told = found(&text, &catalogue, |_| ());
+    let rivals: Vec<&str> =
+        told.steps[0].rivals.iter().flat_map(|r| r.laws.iter().map(|law| law.law.as_str())).collect();
+    let own = told.steps[0].effect.entry.id.as_str();
+    assert_eq!((told.status, own), (Status::Undetermined, "changed-constant"), "{rivals:?}");
+    assert!(rivals.contains(&"quadratic-drag"), "{rivals:?}");
 }

@@ -1,18 +1,19 @@
 //! Noise that is larger than the columns tell, or has a colour: where it is all that is left, nothing else is missing.
 
 use super::Ending;
-use crate::changed_constants::{ChangedConstants, is_finding};
-use crate::decisions::SURE;
-use crate::hum::is_hum;
-use crate::model::{Fitted, Measure, TrialModel, current};
+use crate::changed_constants::{ChangedConstants, is_finding, is_other_than_a_number};
+use crate::decisions::{CHANCE, SURE, WORTH};
+use crate::hum::evidence_of_hum;
+use crate::model::{Fitted, Measure, TrialModel, current, measured};
 use crate::other_causes::causes;
 use crate::result::{GapError, Status, Tried, Warning};
 use phisindy_learn::{Effort, Identified, Verdict, reads_outputs};
 use phisindy_phys::spec::Role;
+use phisindy_signal::effective_samples;
 
 impl Ending<'_, '_> {
-    /// The fit with a random force, where no force is left, neither in the Fit records nor in all records together: noise has
-    /// one size.
+    /// The fit with a random force, where no force is left, neither in the Fit records nor in all records together, and noise
+    /// has one size in all of them.
     fn without_force(&self, of: &Fitted) -> Option<Identified> {
         let needs_none = |found: &Identified| found.verdict == Verdict::Identified;
         let found = self.with_random_force(of).filter(needs_none)?;
@@ -20,11 +21,20 @@ impl Ending<'_, '_> {
         if !model.records.iter().any(|r| r.role == Role::Validate) {
             return Some(found);
         }
-        // With outputs or jumps no fit looks for a force.
-        let looks = !model.system.jumps() && !model.records.iter().any(|r| reads_outputs(&model.system, r));
         let all = || model.of_all_with_random_force(&|| observer.stopped());
-        let alike = if looks { all().is_some_and(|all| needs_none(&all)) } else { of.score.is_of_one_size() };
+        let alike =
+            self.is_of_one_size(of) && (!looks_for_force(model) || all().is_some_and(|all| needs_none(&all)));
         alike.then_some(found)
+    }
+
+    /// Whether the Validate records leave as much as the Fit records, but for chance.
+    fn is_of_one_size(&self, of: &Fitted) -> bool {
+        let left = |role: Role| -> Vec<Vec<f64>> {
+            let records = of.cal.records.iter().zip(&self.noise).filter(|(fit, _)| fit.role == role);
+            let columns = records.flat_map(|(fit, noise)| measured(fit).zip(noise));
+            columns.map(|(column, noise)| column.iter().map(|e| e / noise).collect()).collect()
+        };
+        have_one_size(&left(Role::Fit), &left(Role::Validate))
     }
 
     /// The status of the best model of the search, if a fit with a random force on each body needs no force: the noise may
@@ -62,18 +72,30 @@ impl Ending<'_, '_> {
     /// How many of the first `n` effects it takes until no force is left, and the fit that shows it. Forces of time at the end
     /// are not needed where they are hum; then no fit shows it.
     fn without_force_or_hum(&self, searched: &[Fitted], n: usize) -> Option<(usize, Option<Identified>)> {
-        // Nothing is missing where no law does better.
-        let better = |t: &&Tried| t.gap.is_some() && t.vetoed.is_none();
-        let for_laws: f64 = self.tried.0.iter().filter(better).map(|t| (0.5 * t.score).exp()).sum();
-        if n == 0 && (1.0 + for_laws).recip() < SURE {
+        if n == 0 && !self.nothing_is_sure() {
             return None;
         }
         let less = before_forces_of_time(&searched[n].model);
         let judged = |n: usize| Some((n, Some(self.without_force(&searched[n])?)));
-        let found = if less < n { judged(less) } else { None };
+        let found = if less < n && looks_for_force(&searched[n].model) { judged(less) } else { None };
         let found = found.or_else(|| judged(n))?;
-        let hum = less < found.0 && is_hum(&searched[less], &searched[n], &self.noise);
+        let hum = less < found.0 && self.is_hum(&searched[less], &searched[n]) == Some(true);
         Some(if hum { (less, None) } else { found })
+    }
+
+    /// Whether the model as it is has the probability that an answer needs, beside all laws that were fitted. It may be complete,
+    /// so a law must gain [`WORTH`] to be as likely. What rules a law out says that something else is missing.
+    pub(super) fn nothing_is_sure(&self) -> bool {
+        let fitted = self.tried.0.iter().filter(|t| t.gap.is_some());
+        let for_laws: f64 = fitted.map(|t| (0.5 * (t.score - WORTH)).exp()).sum();
+        (1.0 + for_laws).recip() >= SURE
+    }
+
+    /// Whether hum describes the records better than forces of time do, or these better than hum; `None` where the records do
+    /// not tell.
+    fn is_hum(&self, without: &Fitted, with: &Fitted) -> Option<bool> {
+        let evidence = evidence_of_hum(without, with, &self.noise).unwrap_or(f64::NEG_INFINITY);
+        (evidence.abs() > WORTH).then_some(evidence > 0.0)
     }
 
     /// Takes the nearest model with changed constants, where it says more than the best of the search and needs no force;
@@ -85,11 +107,24 @@ impl Ending<'_, '_> {
         };
         let changed = self.base.model.with_all(&effects).ok();
         let changed = changed.and_then(|model| Fitted::new(model, &self.noise, Effort::Plain).ok());
-        let says_more = |f: &Fitted| is_finding(f, all, best, self.candidates);
+        let says_more = |f: &Fitted| is_finding(f, all, best, self.candidates) && self.is_likelier(f, all);
         match changed.filter(|f| says_more(f) && self.without_force(f).is_some()) {
             Some(changed) => self.instead(changed, &[]),
             None => Ok(None),
         }
+    }
+
+    /// Whether a model with changed constants, of which there are so many, has the probability that an answer needs, beside the
+    /// laws that were fitted alone and are no other number.
+    fn is_likelier(&self, changed: &Fitted, constants: usize) -> bool {
+        let by = Measure::of([&changed.score, &self.base.score], self.candidates);
+        let gain = by.criterion(&self.base.score) - by.among(constants).criterion(&changed.score);
+        let other = |t: &&Tried| {
+            let entry = self.search.catalogue.iter().find(|entry| entry.id == t.at.law);
+            t.gap.is_some() && t.vetoed.is_none() && entry.is_some_and(|e| is_other_than_a_number(&e.law))
+        };
+        let for_laws: f64 = self.tried.0.iter().filter(other).map(|t| (0.5 * (t.score - gain)).exp()).sum();
+        (1.0 + for_laws).recip() >= SURE
     }
 
     /// Drops forces of time at the end of the model where they are hum: no force is left without them, or tones in the sensors
@@ -99,9 +134,16 @@ impl Ending<'_, '_> {
         if n == self.last.model.effects.len() || self.interrupted() {
             return Ok(Status::Explained);
         }
-        let found = self.without_force(&self.path[n]);
-        if found.is_none() && !is_hum(&self.path[n], &self.last, &self.noise) {
-            return Ok(Status::Explained);
+        let looks = looks_for_force(&self.last.model);
+        let found = if looks { self.without_force(&self.path[n]) } else { None };
+        let hum = self.is_hum(&self.path[n], &self.last);
+        if found.is_none() && hum != Some(true) {
+            // One column that answers in proportion shows a force as it shows hum.
+            if looks || hum == Some(false) {
+                return Ok(Status::Explained);
+            }
+            self.warnings.extend(causes(&self.base, &self.path[n]).into_iter().map(Warning::Cause));
+            return Ok(Status::Undetermined);
         }
         self.keep(n)?;
         found.iter().for_each(|found| self.take_numbers(found));
@@ -110,7 +152,56 @@ impl Ending<'_, '_> {
     }
 }
 
+/// Whether the mean squares of two sets of columns differ by no more than chance. The scatter of each is that of the squares
+/// themselves, which knows of heavy tails and of colour.
+fn have_one_size(a: &[Vec<f64>], b: &[Vec<f64>]) -> bool {
+    // The logarithm of the mean square, and its variance.
+    let size = |columns: &[Vec<f64>]| {
+        let count = columns.iter().map(Vec::len).sum::<usize>() as f64;
+        let mean = columns.iter().flatten().map(|e| e * e).sum::<f64>() / count;
+        let squares = columns.iter().map(|c| c.iter().map(|e| e * e / mean - 1.0).collect::<Vec<f64>>());
+        let (mut scatter, mut independent) = (0.0, 0.0);
+        for column in squares {
+            scatter += column.iter().map(|s| s * s).sum::<f64>();
+            independent += effective_samples(&column);
+        }
+        (mean.ln(), scatter / count / independent)
+    };
+    let ((one, first), (other, second)) = (size(a), size(b));
+    (one - other).abs() <= CHANCE * (first + second).sqrt()
+}
+
+/// Whether a fit with a random force looks for one: not with outputs or jumps.
+fn looks_for_force(model: &TrialModel) -> bool {
+    !model.system.jumps() && !model.records.iter().any(|r| reads_outputs(&model.system, r))
+}
+
 /// The number of effects before the last ones that are forces of time alone.
 fn before_forces_of_time(model: &TrialModel) -> usize {
     model.effects.iter().rposition(|a| !a.effect.entry.law.is_of_time()).map_or(0, |k| k + 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use phisindy_signal::test_signals::gaussian;
+
+    /// Of a thousand normal numbers each, three standard errors of the ratio are a tenth of the size; with one in fifty
+    /// ten times as large, or with as many copies, it is more.
+    #[test]
+    fn noise_has_one_size_in_all_records() {
+        let of =
+            |size: f64, seed: u64| -> Vec<f64> { gaussian(1000, seed).iter().map(|e| size * e).collect() };
+        let alike = |a: &[f64], b: &[f64]| have_one_size(&[a.to_vec()], &[b.to_vec()]);
+        assert!(alike(&of(1.2, 1), &of(1.2 * 1.04, 2)));
+        assert!(!alike(&of(1.2, 1), &of(1.2 * 1.2, 2)) && !alike(&of(1.2 * 1.2, 1), &of(1.2, 2)));
+        let heavy = |size: f64, seed: u64| -> Vec<f64> {
+            of(size, seed).iter().enumerate().map(|(i, e)| if i % 50 == 7 { 10.0 * e } else { *e }).collect()
+        };
+        assert!(alike(&heavy(1.0, 1), &heavy(1.2, 2)));
+        let slow = |size: f64, seed: u64| -> Vec<f64> {
+            of(size, seed)[..50].iter().flat_map(|e| std::iter::repeat_n(*e, 20)).collect()
+        };
+        assert!(alike(&slow(1.0, 1), &slow(1.2, 2)));
+    }
 }

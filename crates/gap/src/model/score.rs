@@ -60,14 +60,6 @@ impl Score {
         EXPLAINED.max((1.0 + CHANCE * (2.0 / self.judged.max(1) as f64).sqrt()).sqrt())
     }
 
-    /// Whether the Validate records leave no more than the Fit records, but for chance: noise has one size.
-    pub(crate) fn is_of_one_size(&self) -> bool {
-        // The variance of the logarithm of a mean of squares.
-        let error = |samples: usize| 2.0 / (self.effective_part() * samples as f64).max(1.0);
-        let chance = CHANCE * (error(self.samples) + error(self.judged)).sqrt();
-        self.validate.is_none_or(|validate| 2.0 * (validate / self.fit).ln() <= chance)
-    }
-
     /// The criterion, smaller is better: twice the negative log-likelihood plus a price for what was added.
     /// `candidates` is the number of effects that were available, `independent` the fraction of samples that
     /// counts.
@@ -103,13 +95,8 @@ impl Score {
 
     /// The fraction of samples that counts as independent.
     pub(crate) fn independent(&self) -> f64 {
-        let part = self.effective_part();
+        let part = self.effective / self.samples.max(1) as f64;
         if part > INDEPENDENT || self.is_white() { 1.0 } else { part }
-    }
-
-    /// The effective number of independent samples, as a fraction of all.
-    fn effective_part(&self) -> f64 {
-        self.effective / self.samples.max(1) as f64
     }
 }
 
@@ -165,16 +152,6 @@ pub(crate) mod tests {
             inputs: 0,
             early: 0,
         }
-    }
-
-    /// Of a thousand independent samples each, three standard errors of the ratio are a tenth of the gap.
-    #[test]
-    fn noise_has_one_size_in_all_records() {
-        let of = |validate: f64, effective: f64| Score { effective, ..score(1.2, Some(validate), 1) };
-        assert!(of(1.2 * 1.09, 1000.0).is_of_one_size() && !of(1.2 * 1.11, 1000.0).is_of_one_size());
-        // With a tenth of them it is a third.
-        assert!(of(1.2 * 1.34, 100.0).is_of_one_size() && !of(1.2 * 1.36, 100.0).is_of_one_size());
-        assert!(score(1.2, None, 1).is_of_one_size());
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! Findings beside the effects: why the search ended, vetoes, other causes, warnings.
 
 use super::placed_law::PlacedLaw;
+use crate::model::Score;
 use phisindy_signal::Interpolation;
 
 /// Why a search ended.
@@ -132,8 +133,8 @@ pub struct Vetoed {
     pub law: PlacedLaw,
     /// Why.
     pub why: Veto,
-    /// The gap on Fit records with the numbers that evidence speaks against.
-    pub left: f64,
+    /// What the fit leaves with the numbers that evidence speaks against.
+    pub(crate) score: Score,
 }
 
 /// A number with its name and unit.
