@@ -131,8 +131,16 @@ fn other_kinds(searched: &Searched, changed: &Fitted, constants: usize) -> Vec<R
         let mut laws = r.model.iter().flat_map(|m| m.effects.iter().map(|a| &a.effect.entry.law));
         laws.any(|law| is_other_than_a_number(law))
     };
-    let all = round.rivals.iter().cloned().chain([rival(last, 0, 0.0)]).filter(other);
+    let all = round.rivals.iter().cloned();
+    // More of a law that the model has is that law with another number.
+    let same = is_same_force(last.score.fit, changed.score.fit);
+    let all = all.chain((!same).then(|| rival(last, 0, 0.0))).filter(other);
     all.map(|r| Rival { delta_bic: r.delta_bic + behind, ..r }).collect()
+}
+
+/// Whether two models that leave these gaps have the same force: they differ by rounding.
+pub(crate) fn is_same_force(a: f64, b: f64) -> bool {
+    (a / b - 1.0).abs() < 1e-6
 }
 
 /// Whether a law is more than another number of a spring or a damper: a linear force is the same thing.

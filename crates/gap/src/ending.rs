@@ -143,7 +143,10 @@ impl<'s, 'a> Ending<'s, 'a> {
         let unlikely_law = |s: &Step| unlikely(s) && s.effect.entry.id != DISCOVERED;
         let none = if self.interrupted() { None } else { probability_of_none(&self.last, &self.noise) };
         let status = match status {
-            Status::NothingMissing if self.last.score.explains() && !self.nothing_is_sure() => {
+            // With inputs drawn in another way the laws were not fitted.
+            Status::NothingMissing
+                if redrawn.is_none() && self.last.score.explains() && !self.nothing_is_sure() =>
+            {
                 Status::Undetermined
             }
             Status::Explained if steps.iter().any(unlikely) => Status::Undetermined,

@@ -1,7 +1,7 @@
 //! Noise that is larger than the columns tell, or has a colour: where it is all that is left, nothing else is missing.
 
 use super::Ending;
-use crate::changed_constants::{ChangedConstants, is_finding, is_other_than_a_number};
+use crate::changed_constants::{ChangedConstants, is_finding, is_other_than_a_number, is_same_force};
 use crate::decisions::{CHANCE, SURE, WORTH};
 use crate::hum::evidence_of_hum;
 use crate::model::{Fitted, Measure, TrialModel, current, measured};
@@ -121,7 +121,10 @@ impl Ending<'_, '_> {
         let gain = by.criterion(&self.base.score) - by.among(constants).criterion(&changed.score);
         let other = |t: &&Tried| {
             let entry = self.search.catalogue.iter().find(|entry| entry.id == t.at.law);
-            t.gap.is_some() && t.vetoed.is_none() && entry.is_some_and(|e| is_other_than_a_number(&e.law))
+            let differs = |gap: f64| !is_same_force(gap, changed.score.gap());
+            t.gap.is_some_and(differs)
+                && t.vetoed.is_none()
+                && entry.is_some_and(|e| is_other_than_a_number(&e.law))
         };
         let for_laws: f64 = self.tried.0.iter().filter(other).map(|t| (0.5 * (t.score - gain)).exp()).sum();
         (1.0 + for_laws).recip() >= SURE
