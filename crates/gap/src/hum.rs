@@ -40,9 +40,7 @@ fn free_of_tones(of: &Fitted, tones: &[f64], noise: &[Vec<f64>]) -> Option<Fitte
             let time = record.own_times.of(k, &record.time);
             let mut rest = residual.to_vec();
             set_aside_tones(&mut rest, &time, tones);
-            let Some(column) = record.columns[k].as_mut().filter(|c| c.len() == rest.len()) else {
-                return None;
-            };
+            let column = record.columns[k].as_mut().filter(|c| c.len() == rest.len())?;
             column.iter_mut().zip(residual.iter().zip(&rest)).for_each(|(y, (e, rest))| *y -= e - rest);
         }
     }

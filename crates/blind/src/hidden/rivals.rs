@@ -525,12 +525,10 @@ impl<'a> Comparison<'a> {
             if (same || (own < freedom && margin < 0.0)) && !judgement.same.contains(&list) {
                 judgement.same.push(list.clone());
             }
-            if !same && own <= freedom {
-                if margin < judgement.margin {
-                    judgement.margin = margin;
-                    let words: Vec<String> = list.iter().map(|(law, at)| format!("{law} at {at}")).collect();
-                    judgement.nearest = words.join(" + ");
-                }
+            if !same && own <= freedom && margin < judgement.margin {
+                judgement.margin = margin;
+                let words: Vec<String> = list.iter().map(|(law, at)| format!("{law} at {at}")).collect();
+                judgement.nearest = words.join(" + ");
             }
         };
         for (i, a) in self.rivals.iter().enumerate() {
