@@ -89,6 +89,33 @@ fn nothing_is_found_where_nothing_is_hidden() {
     assert!(named(&found).is_empty());
 }
 
+/// The residual is white, and yet one law would leave less.
+#[test]
+fn a_law_too_faint_to_tell_is_told() {
+    let folder = folder("gap-faint");
+    let record = |seed: u32, role: &str| {
+        format!(
+            "Synthetic(truth: {{ \"v\": \"-1.6*x^2/m\" }}, inputs: {{ \"F\": Multisine(amplitude: 8.0, band: (0.5, 6.0), count: 15) }}, start: {{}}, \
+             duration: 6.0, step: 0.005, noise: Sensor({{ \"x\": (5e-5, \"m\") }}), measure: [\"x\"], seed: {seed}, role: {role})"
+        )
+    };
+    let text = format!(
+        "(constants: {{ \"m\": (2.0, \"kg\"), \"k\": (value: 800.0, unit: \"N/m\", within: (640.0, 960.0)), \"c\": (value: 1.5, unit: \"N*s/m\", within: (0.0, 6.0)) }},\n \
+         states: {{ \"x\": \"m\", \"v\": \"m/s\" }}, inputs: {{ \"F\": \"N\" }}, known: {{ \"x\": \"v\", \"v\": \"(F - c*v - k*x)/m\" }}, inertia: {{ \"v\": \"m\" }},\n \
+         unknown: {{}}, data: [{}, {}])",
+        record(31, "Fit"),
+        record(32, "Validate")
+    );
+    let (found, code) = gap(&folder, &text);
+    assert_eq!(
+        (found["status"].as_str(), named(&found).len(), code),
+        (Some("undetermined"), 0, 1),
+        "{found}"
+    );
+    let said = std::fs::read_to_string(folder.join("out/gap.txt")).expect("a text");
+    assert!(said.contains("quadratic stiffness at v would fit better"), "{said}");
+}
+
 #[test]
 fn a_force_that_no_law_describes_is_unexplained() {
     let (found, code) = gap(&folder("gap-outside"), &spec("\"v\": \"-0.3*sin(9*x^2)\"", 0.02));

@@ -122,7 +122,8 @@ pub(crate) fn changed_constants(of: &Fitted, noise: &[Vec<f64>]) -> ChangedConst
     ChangedConstants { all: all.len(), fits: nearest }
 }
 
-/// The laws of the only round of a search as rivals of a model with changed constants, of which there are so many.
+/// The laws of a search of one round as rivals of a model with changed constants. `constants` is the number of constants that
+/// could have changed.
 fn other_kinds(searched: &Searched, changed: &Fitted, constants: usize) -> Vec<Rival> {
     let (last, [round]) = (&searched.last, &searched.rounds[..]) else { return vec![] };
     let by = Measure::of([&changed.score, &last.score], searched.candidates);
@@ -131,14 +132,13 @@ fn other_kinds(searched: &Searched, changed: &Fitted, constants: usize) -> Vec<R
         let mut laws = r.model.iter().flat_map(|m| m.effects.iter().map(|a| &a.effect.entry.law));
         laws.any(|law| is_other_than_a_number(law))
     };
-    let all = round.rivals.iter().cloned();
     // More of a law that the model has is that law with another number.
     let same = is_same_force(last.score.fit, changed.score.fit);
-    let all = all.chain((!same).then(|| rival(last, 0, 0.0))).filter(other);
-    all.map(|r| Rival { delta_bic: r.delta_bic + behind, ..r }).collect()
+    let all = round.rivals.iter().cloned().chain((!same).then(|| rival(last, 0, 0.0)));
+    all.filter(other).map(|r| Rival { delta_bic: r.delta_bic + behind, ..r }).collect()
 }
 
-/// Whether two models that leave these gaps have the same force: they differ by rounding.
+/// Whether two models with these gaps have the same force: the gaps differ by rounding.
 pub(crate) fn is_same_force(a: f64, b: f64) -> bool {
     (a / b - 1.0).abs() < 1e-6
 }

@@ -534,7 +534,11 @@ impl<'s, 'a> Ending<'s, 'a> {
             fit: (a.fit, b.fit),
             validate: a.validate.zip(b.validate),
             delta_bic: by.criterion(a) - by.criterion(b),
-            probability: self.last.score.explains().then(|| probability_beside(&rivals)),
+            probability: self
+                .last
+                .score
+                .explains()
+                .then(|| probability_beside(rivals.iter().map(|r| r.delta_bic))),
             rivals,
             vetoed: round.map_or(vec![], |r| r.vetoed.clone()),
         }
@@ -550,13 +554,14 @@ impl Step {
             let mut effects = r.model.iter().flat_map(|m| m.effects.iter().map(|a| &a.effect));
             effects.any(|e| e.same(own) || own.is_simpler_form_of(e))
         };
-        probability_beside(self.rivals.iter().filter(|r| r.delta_bic < 0.0 || !holds(r))) >= SURE
+        let against = self.rivals.iter().filter(|r| r.delta_bic < 0.0 || !holds(r));
+        probability_beside(against.map(|r| r.delta_bic)) >= SURE
     }
 }
 
-/// The probability of a law beside rivals, by what each leaves and costs.
-fn probability_beside<'r>(rivals: impl IntoIterator<Item = &'r Rival>) -> f64 {
-    let against: f64 = rivals.into_iter().map(|r| (-0.5 * r.delta_bic).exp()).sum();
+/// The probability of a model beside rivals whose criterion is so much higher.
+fn probability_beside(rivals: impl Iterator<Item = f64>) -> f64 {
+    let against: f64 = rivals.map(|behind| (-0.5 * behind).exp()).sum();
     (1.0 + against).recip()
 }
 

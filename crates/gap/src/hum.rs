@@ -12,8 +12,7 @@ use phisindy_phys::Record;
 use phisindy_phys::spec::Role;
 use std::sync::Arc;
 
-/// By how much hum describes the Fit records better than the forces of time that `with` has and `without` lacks (BIC); `None`
-/// where there is no tone among these.
+/// Evidence (BIC) that the forces of time which `with` has and `without` lacks are hum; `None` where none of them is a tone.
 pub(crate) fn evidence_of_hum(without: &Fitted, with: &Fitted, noise: &[Vec<f64>]) -> Option<f64> {
     let of_time = with.model.effects.iter().filter(|a| a.effect.entry.law.is_of_time());
     let tones: Vec<f64> = of_time.filter_map(|a| frequency(with, &a.effect)).collect();
@@ -29,8 +28,7 @@ pub(crate) fn evidence_of_hum(without: &Fitted, with: &Fitted, noise: &[Vec<f64>
     Some(samples * (force.power / hum.power).ln() - more * samples.ln())
 }
 
-/// The fit of the same model to records whose columns have lost what they leave of tones of these frequencies: hum bends its
-/// numbers.
+/// The model fitted again to columns without these tones. Hum bends the numbers of a fit.
 fn free_of_tones(of: &Fitted, tones: &[f64], noise: &[Vec<f64>]) -> Option<Fitted> {
     let mut model = of.settled();
     for (record, fit) in Arc::make_mut(&mut model.records).iter_mut().zip(&of.cal.records) {

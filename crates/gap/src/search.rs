@@ -225,17 +225,18 @@ impl Search<'_> {
         };
         if stop != StopReason::Interrupted && !self.observer.stopped() {
             match self.second_pass(&now, candidates, &mut first) {
-                SecondPass::More(more, round) => {
+                Some(SecondPass::More(more, round)) => {
                     rounds.push(round);
                     now = *more;
                     stop = self.ends(&now, rounds.len(), weak).unwrap_or(stop);
                 }
-                SecondPass::Near(round) => {
+                Some(SecondPass::Near(round)) => {
                     if let Some(last) = rounds.last_mut() {
                         last.rivals.extend(round.rivals.iter().filter(|r| r.delta_bic < WORTH).cloned());
                     }
-                    fruitless = fruitless.or(Some(round));
+                    fruitless = Some(round);
                 }
+                None => {}
             }
         }
         // A model that leaves nothing but noise was screened by the second pass alone, if at all.
@@ -440,35 +441,32 @@ impl Search<'_> {
 
     /// Looks for one more effect beside a model whose residual is white: a weak second effect hardly changes
     /// the whiteness. Applies to smooth motions only, because the linear response does not describe stops.
-    /// `first` is what the first screening of the search tried, if there was one.
+    /// `first` is what the first screening of the search tried, if there was one. `None` where nothing was fitted.
     fn second_pass(
         &self,
         now: &Fitted,
         candidates: usize,
         first: &mut Option<(Vec<Tried>, Vec<NotTried>)>,
-    ) -> SecondPass {
+    ) -> Option<SecondPass> {
         let before = now.model.effects.len();
-        let nothing = SecondPass::Near(round_from(0, now, now, &[], vec![], candidates));
         if before + 1 >= MOST_EFFECTS || !now.score.is_white() || now.rests() {
-            return nothing;
+            return None;
         }
         let model = now.settled();
-        let screening = screen(&model, &now.cal, self.catalogue, self.noise, Target::AlongData);
-        let Some(mut screening) = screening else { return nothing };
+        let mut screening = screen(&model, &now.cal, self.catalogue, self.noise, Target::AlongData)?;
         first.get_or_insert_with(|| screened(&screening));
         let candidates = candidates.max(screening.candidates.len());
         let price = (now.cal.samples as f64).ln();
         let pays = |c: &Candidate| c.gain > price * c.size as f64;
         screening.candidates.retain(pays);
         if screening.candidates.is_empty() {
-            return nothing;
+            return None;
         }
         // What the residuals of the fit do not hold is an error of the smoothed motion, or of the inputs
         // between samples.
         let named = |entry: &&LawEntry| screening.candidates.iter().any(|c| c.effect.entry.id == entry.id);
         let asked: Vec<LawEntry> = self.catalogue.iter().filter(named).cloned().collect();
-        let of_fit = screen(&model, &now.cal, &asked, self.noise, Target::OfFit(&now.cal));
-        let Some(of_fit) = of_fit else { return nothing };
+        let of_fit = screen(&model, &now.cal, &asked, self.noise, Target::OfFit(&now.cal))?;
         let held =
             |c: &Candidate| of_fit.candidates.iter().any(|own| own.effect.same(&c.effect) && pays(own));
         screening.candidates.retain(held);
@@ -482,7 +480,7 @@ impl Search<'_> {
             f.score.is_white() && worth(now, f, candidates) && gain > WORTH + extra
         };
         let Some(best) = preferred(&all, candidates).filter(more).cloned() else {
-            return SecondPass::Near(round_from(0, now, now, &all, vetoed, candidates));
+            return Some(SecondPass::Near(round_from(0, now, now, &all, vetoed, candidates)));
         };
         // The effects found first may have compensated for part of the new one.
         let effects = current(&best);
@@ -501,7 +499,7 @@ impl Search<'_> {
         let from = if extends(&best) { before } else { 0 };
         all.retain(|f| from == 0 || extends(f));
         let round = round_from(from, now, &best, &all, vetoed, candidates);
-        SecondPass::More(Box::new(best), round)
+        Some(SecondPass::More(Box::new(best), round))
     }
 
     /// Adds competitors to `pairs`, where `pair` explains the data. Takes the best of `singles` that is a
@@ -851,8 +849,8 @@ fn forces(model: &TrialModel) -> Vec<(&str, &str)> {
     all
 }
 
-/// The models with one effect more than `now`, and laws that are ruled out, alone or beside another one: law and place, the gap
-/// that is left, the gain of the criterion.
+/// The models with one effect more than `now`, and the fits that ruled a law out: law and place, the gap that is left, the gain
+/// of the criterion.
 fn fitted_alone<'f>(
     now: &Fitted,
     all: impl Iterator<Item = &'f Fitted>,

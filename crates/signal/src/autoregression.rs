@@ -1,32 +1,27 @@
-//! Noise of a colour: each value keeps a part of the last one, `e_i = rho e_(i-1) + n_i` with white `n`.
+//! Autoregressive noise of first order, AR(1): each value keeps a part of the last one, `e_i = rho e_(i-1) + n_i` with
+//! white `n`.
 //!
 //! G. E. P. Box and G. M. Jenkins, Time Series Analysis: Forecasting and Control, 1970, ch. 7.
 
 use crate::statistics::lowest_point;
 
-/// The white noise behind values that keep the part `rho` of the last one, as large as they are in the mean of `rho = 0`:
-/// `sqrt(1 - rho^2) e_1, e_2 - rho e_1, e_3 - rho e_2, ...`
-///
-/// ```
-/// let white: Vec<f64> = phisindy_signal::innovations(&[1.0, 2.0, 0.0], 0.6).collect();
-/// assert_eq!(white, [0.8, 1.4, -1.2]);
-/// ```
-pub fn innovations(values: &[f64], rho: f64) -> impl Iterator<Item = f64> {
+/// The white noise `n` behind values: `sqrt(1 - rho^2) e_1, e_2 - rho e_1, e_3 - rho e_2, ...`
+fn innovations(values: &[f64], rho: f64) -> impl Iterator<Item = f64> {
     let first = values.first().map(|e| (1.0 - rho * rho).sqrt() * e);
     first.into_iter().chain(values.windows(2).map(move |e| e[1] - rho * e[0]))
 }
 
-/// By how much twice the logarithm of the likelihood of values rises where they are noise with a colour and a size of its own
-/// instead of white noise of variance one, less the price of that number (BIC); zero where they are white.
+/// Evidence (BIC) that values are AR(1) noise rather than white noise of variance one: the rise of twice the log-likelihood,
+/// less the price of `rho`. Zero where they are white.
 ///
-/// `-2 ln L = n (1 + ln s^2) - ln(1 - rho^2)` with the mean square `s^2` of the [`innovations`].
+/// `-2 ln L = n (1 + ln s^2) - ln(1 - rho^2)`, with the mean square `s^2` of the white noise behind the values.
 ///
 /// ```
 /// let mut last = 0.0;
 /// let slow: Vec<f64> = (0..300).map(|i| { last = 0.9 * last + f64::from(i * 7919 % 300 - 150) / 300.0; last }).collect();
-/// assert!(phisindy_signal::worth_of_colour(&slow) > 100.0);
+/// assert!(phisindy_signal::evidence_of_colour(&slow) > 100.0);
 /// ```
-pub fn worth_of_colour(values: &[f64]) -> f64 {
+pub fn evidence_of_colour(values: &[f64]) -> f64 {
     let n = values.len() as f64;
     let unlikelihood = |rho: f64| {
         let mean = innovations(values, rho).map(|e| e * e).sum::<f64>() / n;
@@ -47,7 +42,7 @@ mod tests {
     #[test]
     fn a_colour_is_worth_what_it_foretells() {
         let white = gaussian(400, 3);
-        assert_eq!(worth_of_colour(&white), 0.0);
+        assert_eq!(evidence_of_colour(&white), 0.0);
         let mut last = 0.0;
         let coloured: Vec<f64> = white
             .iter()
@@ -57,9 +52,16 @@ mod tests {
             })
             .collect();
         let due = -400.0 * 0.36f64.ln() - 400f64.ln();
-        assert!((worth_of_colour(&coloured) / due - 1.0).abs() < 0.2, "{} {due}", worth_of_colour(&coloured));
+        assert!(
+            (evidence_of_colour(&coloured) / due - 1.0).abs() < 0.2,
+            "{} {due}",
+            evidence_of_colour(&coloured)
+        );
         let back: Vec<f64> = innovations(&coloured, 0.8).skip(1).map(|n| n / 0.6).collect();
         assert!(back.iter().zip(&white[1..]).all(|(a, b)| (a - b).abs() < 1e-12));
-        assert_eq!([worth_of_colour(&[1.0]), worth_of_colour(&[0.0; 9]), worth_of_colour(&[])], [0.0; 3]);
+        assert_eq!(
+            [evidence_of_colour(&[1.0]), evidence_of_colour(&[0.0; 9]), evidence_of_colour(&[])],
+            [0.0; 3]
+        );
     }
 }

@@ -7,7 +7,7 @@
 //!                                     +--Signal--> value and slope at any time
 //! residual --whiteness_p_value, whiteness_score--> is it more than white noise?
 //!     +--effective_samples--> effective number of independent samples
-//!     +--worth_of_colour--> is it noise with a colour?
+//!     +--evidence_of_colour--> is it noise with a colour?
 //! ```
 
 mod autocorrelation;
@@ -30,7 +30,7 @@ mod trend;
 mod whiteness;
 
 pub use autocorrelation::{autocorrelation, effective_samples};
-pub use autoregression::{innovations, worth_of_colour};
+pub use autoregression::evidence_of_colour;
 pub use band::{integral, lowest_frequency, twice_integrated};
 pub use blocks::Blocks;
 pub use derivative::{Differentiated, Differentiator, Smoothing, automatic, differentiate};

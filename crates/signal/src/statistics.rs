@@ -41,6 +41,7 @@ pub fn median(values: &mut [f64]) -> f64 {
     let lower = low.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     0.5 * (lower + upper)
 }
+
 /// Where a function of one variable is least between two values, to `width`: the golden section (J. Kiefer, Proc. Amer. Math.
 /// Soc. 4 (1953) 502, doi 10.1090/S0002-9939-1953-0055639-3).
 ///

@@ -102,6 +102,7 @@ fn answered(args: &CalibrateArgs, options: &Options, index: usize) -> Result<Opt
 mod tests {
     use super::super::rivals::{Seen, near};
     use super::super::sensor_noise::SensorNoise;
+    use super::super::truth::Placed;
     use super::super::wish::{Kind, Purpose, Wish};
     use super::*;
     use crate::args::Sensors;
@@ -114,6 +115,25 @@ mod tests {
         };
         assert!(drawn(5) == drawn(5));
         assert!(drawn(5) != drawn(6));
+    }
+
+    /// Where the records show one of two laws, that one is the answer.
+    #[test]
+    fn a_law_that_the_records_do_not_show_need_not_be_found() {
+        let worlds = (0..40).map(|index| world(20, index).expect("a world").0.truth);
+        let mut simpler = 0;
+        for truth in worlds.filter(|truth| truth.margin.is_some_and(|margin| margin < 0.0)) {
+            let words = |set: &[Placed]| {
+                let mut all: Vec<String> = set.iter().map(|p| format!("{} at {}", p.law, p.at)).collect();
+                all.sort();
+                all
+            };
+            let mut nearest: Vec<&str> = truth.nearest.split(" + ").collect();
+            nearest.sort_unstable();
+            assert!(truth.alternatives.iter().any(|set| words(set) == nearest), "{}", truth.nearest);
+            simpler += 1;
+        }
+        assert!(simpler > 0);
     }
 
     /// The part that the best law leaves: nothing of a law, much of a force in time.

@@ -1,6 +1,6 @@
 //! Noise that is larger than the columns tell, or has a colour: where it is all that is left, nothing else is missing.
 
-use super::Ending;
+use super::{Ending, probability_beside};
 use crate::changed_constants::{ChangedConstants, is_finding, is_other_than_a_number, is_same_force};
 use crate::decisions::{CHANCE, SURE, WORTH};
 use crate::hum::evidence_of_hum;
@@ -16,14 +16,14 @@ impl Ending<'_, '_> {
     /// has one size in all of them.
     fn without_force(&self, of: &Fitted) -> Option<Identified> {
         let needs_none = |found: &Identified| found.verdict == Verdict::Identified;
-        let found = self.with_random_force(of).filter(needs_none)?;
         let (model, observer) = (&of.model, &self.search.observer);
-        if !model.records.iter().any(|r| r.role == Role::Validate) {
-            return Some(found);
+        let validates = model.records.iter().any(|r| r.role == Role::Validate);
+        if validates && !self.is_of_one_size(of) {
+            return None;
         }
+        let found = self.with_random_force(of).filter(needs_none)?;
         let all = || model.of_all_with_random_force(&|| observer.stopped());
-        let alike =
-            self.is_of_one_size(of) && (!looks_for_force(model) || all().is_some_and(|all| needs_none(&all)));
+        let alike = !validates || !looks_for_force(model) || all().is_some_and(|all| needs_none(&all));
         alike.then_some(found)
     }
 
@@ -69,8 +69,8 @@ impl Ending<'_, '_> {
         Ok(Some((status, n)))
     }
 
-    /// How many of the first `n` effects it takes until no force is left, and the fit that shows it. Forces of time at the end
-    /// are not needed where they are hum; then no fit shows it.
+    /// The number of effects beside which no force is left: `n`, or less by the forces of time at the end. With it comes the
+    /// fit that shows it; hum needs none.
     fn without_force_or_hum(&self, searched: &[Fitted], n: usize) -> Option<(usize, Option<Identified>)> {
         if n == 0 && !self.nothing_is_sure() {
             return None;
@@ -83,12 +83,11 @@ impl Ending<'_, '_> {
         Some(if hum { (less, None) } else { found })
     }
 
-    /// Whether the model as it is has the probability that an answer needs, beside all laws that were fitted. It may be complete,
-    /// so a law must gain [`WORTH`] to be as likely. What rules a law out says that something else is missing.
+    /// Whether the model as it is is sure beside all laws that were fitted. It may be complete, so a law must gain [`WORTH`] to
+    /// be as likely. A law that is ruled out counts too: something else is missing then.
     pub(super) fn nothing_is_sure(&self) -> bool {
         let fitted = self.tried.0.iter().filter(|t| t.gap.is_some());
-        let for_laws: f64 = fitted.map(|t| (0.5 * (t.score - WORTH)).exp()).sum();
-        (1.0 + for_laws).recip() >= SURE
+        probability_beside(fitted.map(|t| WORTH - t.score)) >= SURE
     }
 
     /// Whether hum describes the records better than forces of time do, or these better than hum; `None` where the records do
@@ -107,16 +106,17 @@ impl Ending<'_, '_> {
         };
         let changed = self.base.model.with_all(&effects).ok();
         let changed = changed.and_then(|model| Fitted::new(model, &self.noise, Effort::Plain).ok());
-        let says_more = |f: &Fitted| is_finding(f, all, best, self.candidates) && self.is_likelier(f, all);
+        let says_more =
+            |f: &Fitted| is_finding(f, all, best, self.candidates) && self.is_sure_beside_laws(f, all);
         match changed.filter(|f| says_more(f) && self.without_force(f).is_some()) {
             Some(changed) => self.instead(changed, &[]),
             None => Ok(None),
         }
     }
 
-    /// Whether a model with changed constants, of which there are so many, has the probability that an answer needs, beside the
-    /// laws that were fitted alone and are no other number.
-    fn is_likelier(&self, changed: &Fitted, constants: usize) -> bool {
+    /// Whether changed constants are sure beside the laws that were fitted alone. `constants` is the number of constants that
+    /// could have changed.
+    fn is_sure_beside_laws(&self, changed: &Fitted, constants: usize) -> bool {
         let by = Measure::of([&changed.score, &self.base.score], self.candidates);
         let gain = by.criterion(&self.base.score) - by.among(constants).criterion(&changed.score);
         let other = |t: &&Tried| {
@@ -126,8 +126,7 @@ impl Ending<'_, '_> {
                 && t.vetoed.is_none()
                 && entry.is_some_and(|e| is_other_than_a_number(&e.law))
         };
-        let for_laws: f64 = self.tried.0.iter().filter(other).map(|t| (0.5 * (t.score - gain)).exp()).sum();
-        (1.0 + for_laws).recip() >= SURE
+        probability_beside(self.tried.0.iter().filter(other).map(|t| gain - t.score)) >= SURE
     }
 
     /// Drops forces of time at the end of the model where they are hum: no force is left without them, or tones in the sensors
@@ -139,14 +138,15 @@ impl Ending<'_, '_> {
         }
         let looks = looks_for_force(&self.last.model);
         let found = if looks { self.without_force(&self.path[n]) } else { None };
-        let hum = self.is_hum(&self.path[n], &self.last);
-        if found.is_none() && hum != Some(true) {
-            // One column that answers in proportion shows a force as it shows hum.
-            if looks || hum == Some(false) {
-                return Ok(Status::Explained);
+        if found.is_none() {
+            match self.is_hum(&self.path[n], &self.last) {
+                Some(true) => {}
+                None if !looks => {
+                    self.warnings.extend(causes(&self.base, &self.path[n]).into_iter().map(Warning::Cause));
+                    return Ok(Status::Undetermined);
+                }
+                _ => return Ok(Status::Explained),
             }
-            self.warnings.extend(causes(&self.base, &self.path[n]).into_iter().map(Warning::Cause));
-            return Ok(Status::Undetermined);
         }
         self.keep(n)?;
         found.iter().for_each(|found| self.take_numbers(found));
@@ -155,8 +155,8 @@ impl Ending<'_, '_> {
     }
 }
 
-/// Whether the mean squares of two sets of columns differ by no more than chance. The scatter of each is that of the squares
-/// themselves, which knows of heavy tails and of colour.
+/// Whether the mean squares of two sets of columns differ by no more than chance. The scatter of each is estimated from its
+/// squares, so it holds with heavy tails and with coloured noise.
 fn have_one_size(a: &[Vec<f64>], b: &[Vec<f64>]) -> bool {
     // The logarithm of the mean square, and its variance.
     let size = |columns: &[Vec<f64>]| {

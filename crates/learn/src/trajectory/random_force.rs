@@ -20,7 +20,7 @@ use crate::trajectory::remainder::remainders;
 use crate::trajectory::tally::{Tally, weighed, whitened_by};
 use phisindy_phys::spec::SegmentsSpec;
 use phisindy_phys::{Record, System};
-use phisindy_signal::{lowest_point, mean_step, worth_of_colour};
+use phisindy_signal::{evidence_of_colour, lowest_point, mean_step};
 use rayon::prelude::*;
 
 /// White forces on the rates of states.
@@ -54,10 +54,10 @@ impl RandomForce {
     }
 }
 
-/// By how much twice the logarithm of the likelihood of a fit rises with noise of a colour.
+/// Evidence that the columns of a fit have coloured noise.
 fn colour_of(fit: &Fit<'_>) -> f64 {
     let residuals = fit.problem.residuals(&fit.x).unwrap_or_default();
-    whitened_by(&fit.weights, &residuals).map(|column| worth_of_colour(&column)).sum()
+    whitened_by(&fit.weights, &residuals).map(|column| evidence_of_colour(&column)).sum()
 }
 
 fn rms_slope(time: &[f64], column: &[f64]) -> Option<f64> {

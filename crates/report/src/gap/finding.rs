@@ -49,6 +49,9 @@ pub(crate) fn finding(found: &Gap) -> Finding {
         Status::NothingMissing => {
             Finding { headline: "Nothing missing", sentence: capital(&outcome(found)) + "." }
         }
+        Status::Undetermined if all.is_empty() => {
+            Finding { headline: "Undetermined", sentence: capital(&outcome(found)) + "." }
+        }
         Status::Named if let Some(Alternative::Pushes(pushes)) = &found.alternative => {
             let each: Vec<String> = pushes.iter().map(ToString::to_string).collect();
             let with = match all.is_empty() {

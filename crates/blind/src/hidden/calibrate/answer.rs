@@ -1,8 +1,8 @@
 //! What the program said of a world, beside what is there: the one place that decides what is right.
 //!
 //! A *description* is the set of laws at places that is there, or another one that is the same force (or reading) in these
-//! records: those of [`Truth::alternatives`], and for a force of no catalogue all laws whose forces, with the numbers that were
-//! found, hold all but 5 % of what is missing along the record not used.
+//! records: those of [`Truth::alternatives`]. For a force of no catalogue it is also any set of named laws that holds all but
+//! 5 % of what is missing along the record not used, with the numbers that were found.
 //! * A named law at its place is right if a description has it.
 //! * A formula (`described`) is right if its forces hold all but 10 % of what is missing there.
 //! * "None of these" is right where what was found is no description and something is hidden.
@@ -54,7 +54,8 @@ pub(super) fn answer(truth: &Truth, result: &Value, error: Option<f64>) -> Answe
     let found: Vec<Placed> = all.iter().map(|step| placed(step)).collect();
     let named = sorted(&found);
     let hides = truth.kind != "nothing";
-    let near = truth.kind == "outside" && error.is_some_and(|error| error <= NEAR);
+    let formula = all.iter().any(|step| step["law"] == "discovered");
+    let near = truth.kind == "outside" && !formula && error.is_some_and(|error| error <= NEAR);
     let descriptions: Vec<Vec<(String, String)>> = std::iter::once(&own(truth))
         .filter(|own| !own.is_empty())
         .chain(&truth.alternatives)
@@ -178,6 +179,8 @@ mod tests {
         assert_eq!(compared.laws, [Said { probability: 0.9, right: false }]);
         assert_eq!(compared.none, Some(Said { probability: 0.3, right: true }));
         // A law that holds all but 5 % of it, as it was found or as it is there.
+        let of_formula = answer(&outside, &serde_json::from_str(formula).expect("JSON"), Some(0.04));
+        assert!(of_formula.laws[0].right && !of_formula.whole);
         let near = answer(&outside, &serde_json::from_str(law).expect("JSON"), Some(0.04));
         assert_eq!((near.standing, near.laws[0].right), (Standing::Right, true));
         let far = answer(&outside, &serde_json::from_str(law).expect("JSON"), Some(0.06));
