@@ -16,7 +16,7 @@ fn folder(name: &str) -> PathBuf {
 fn spec(truth: &str, noise: f64) -> String {
     let record = |x: f64, seed: u32, role: &str| {
         format!(
-            "Synthetic(truth: {{ {truth} }}, start: {{ \"x\": {x:?}, \"v\": 0.0 }}, duration: 40.0, step: 0.02, noise: Additive({noise:?}), seed: {seed}, role: {role})"
+            "Synthetic(truth: {{ {truth} }}, start: {{ \"x\": {x:?}, \"v\": 0.0 }}, duration: 40.0, step: 0.04, noise: Additive({noise:?}), seed: {seed}, role: {role})"
         )
     };
     format!(
@@ -28,10 +28,10 @@ fn spec(truth: &str, noise: f64) -> String {
     )
 }
 
-/// The same with a third of the samples: a search that ends without an explanation tries everything, and each
+/// The same with fewer samples: a search that ends without an explanation tries everything, and each
 /// trial costs its samples.
 fn with_fewer_samples(spec: &str) -> String {
-    let long = "duration: 40.0, step: 0.02";
+    let long = "duration: 40.0, step: 0.04";
     assert!(spec.contains(long), "{spec}");
     spec.replace(long, "duration: 25.0, step: 0.04")
 }
@@ -683,7 +683,7 @@ fn a_constant_inside_of_known_friction_is_told() {
 fn records_that_disagree_in_one_number_have_it_each() {
     let both = spec("\"v\": \"-0.3*sgn(v)\"", 0.02);
     let one = "role: Validate";
-    let other = "Synthetic(truth: { \"v\": \"-0.15*sgn(v)\" }, start: { \"x\": 0.3, \"v\": 0.0 }, duration: 40.0, step: 0.02, noise: Additive(0.02), seed: 3, role: Fit)";
+    let other = "Synthetic(truth: { \"v\": \"-0.15*sgn(v)\" }, start: { \"x\": 0.3, \"v\": 0.0 }, duration: 40.0, step: 0.04, noise: Additive(0.02), seed: 3, role: Fit)";
     let text = both.replacen(&format!("{one})"), &format!("{one}), {other}"), 1);
     let (found, code) = gap(&folder("gap-each"), &text);
     assert_eq!(code, 0, "{found}");

@@ -1,12 +1,12 @@
 //! Whether numbers of the spec changed: a joint that wore, a mass that was exchanged, a screw that came loose. The model
 //! that is believed complete then needs no law, but another number.
 
-use crate::decisions::{CHANGES_KEPT, CONSTANT_OFF, MOST_CHANGED, SIMPLER, SUBSTANTIAL, WORTH};
+use crate::decisions::{CHANGES_KEPT, CONSTANT_OFF, MOST_CHANGED, RACE, SIMPLER, SUBSTANTIAL, WORTH};
 use crate::model::{Fitted, Measure, TrialModel};
 use crate::place::{Effect, Place, Site};
 use crate::result::{Activity, Rival, StopReason};
 use crate::search::{Search, Searched, rival, round_from};
-use phisindy_learn::Effort;
+use phisindy_learn::{Effort, SegmentFit};
 use phisindy_phys::spec::{ConstantSpec, Spec, Text};
 use phisindy_phys::unit::Unit;
 use phisindy_phys::{Law, LawEntry};
@@ -106,8 +106,16 @@ pub(crate) fn changed_constants(of: &Fitted, noise: &[Vec<f64>]) -> ChangedConst
                 models.extend(more.filter(|m| !models.iter().any(|other| changes(other) == changes(m))));
             }
         }
-        let fits = models.into_par_iter().filter_map(|m| Fitted::new(m, noise, Effort::Plain).ok());
-        let mut fits: Vec<Fitted> = fits.collect();
+        let begun = |m: TrialModel| m.segment_fit(noise).map(|segments| (segments, m));
+        let mut begun: Vec<(SegmentFit, TrialModel)> = models.into_par_iter().filter_map(begun).collect();
+        begun.sort_by(|(a, _), (b, _)| a.cost.total_cmp(&b.cost));
+        // A run leaves no less than its segments: what leaves far more than noise there explains nothing.
+        let may_explain = begun.partition_point(|(segments, _)| segments.cost <= RACE);
+        begun.truncate(may_explain.max(CHANGES_KEPT));
+        let fit = |(segments, m): (SegmentFit, TrialModel)| {
+            Fitted::from(m, Some(&segments), noise, Effort::Plain).ok()
+        };
+        let mut fits: Vec<Fitted> = begun.into_par_iter().filter_map(fit).collect();
         fits.sort_by(|a, b| a.score.fit.total_cmp(&b.score.fit));
         if fits.iter().any(|f| f.score.explains()) {
             fits.retain(|f| f.score.explains());

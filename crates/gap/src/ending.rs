@@ -1,22 +1,24 @@
 //! The end of the workflow: the verdict on the model of a search, doubts, other explanations, the result.
 
 mod noise;
+mod probability;
 
 use crate::alternative_constant::alternative_constant;
 use crate::changed_constants::ChangedConstants;
 use crate::data_mistakes::data_mistakes;
-use crate::decisions::{MOST_OF_RESIDUAL, REPEATS, SAME_FREQUENCY, SUBSTANTIAL, SURE, WORTH};
+use crate::decisions::{MOST_OF_RESIDUAL, REPEATS, SAME_FREQUENCY, SUBSTANTIAL, WORTH};
 use crate::drive::Drive;
 use crate::drive_frequency::drive_frequency;
 use crate::formula::{DISCOVERED, expansion};
 use crate::input_interpolation::{Redrawn, beyond_noise, coarse_inputs, redrawn};
 use crate::model::{
-    Applied, ColumnError, Fitted, Measure, TrialModel, current, expression, text_with, values,
+    Applied, ColumnError, Fitted, Measure, Score, TrialModel, current, expression, text_with, values,
 };
 use crate::none_of_these::probability as probability_of_none;
 use crate::other_causes::{causes, input_noise};
 use crate::place::Site;
 use crate::plausibility::{cancelling, pressed, vetoed};
+use crate::pushes::Pushed;
 use crate::result::verdict::{bent, helpful, refused, status};
 use crate::result::{
     Activity, Alternative, Cancelling, ColumnGap, ColumnRepeat, Gap, GapError, InputError, MissingForce,
@@ -29,6 +31,7 @@ use crate::spec_mistakes::spec_mistake;
 use phisindy_learn::{Effort, FoundParameter, Identified, at_bounds, free_run_horizons, sensitive_starts};
 use phisindy_phys::spec::Role;
 use phisindy_signal::Interpolation;
+use probability::{probability_beside, rivals_of_the_answer};
 use rayon::prelude::*;
 
 /// The state after the search: the verdict, other explanations and the result follow from it.
@@ -149,7 +152,9 @@ impl<'s, 'a> Ending<'s, 'a> {
             {
                 Status::Undetermined
             }
-            Status::Explained if steps.iter().any(unlikely) => Status::Undetermined,
+            Status::Explained if steps.iter().any(unlikely) || self.is_beaten_by_a_law_ruled_out() => {
+                Status::Undetermined
+            }
             Status::Described if none.is_some_and(|p| p > 0.5) || steps.iter().any(unlikely_law) => {
                 Status::Undetermined
             }
@@ -241,8 +246,8 @@ impl<'s, 'a> Ending<'s, 'a> {
         of.model.with_random_force(&|| observer.stopped())
     }
 
-    /// The pushes between which the model as it is leaves nothing, where nothing else explains the gap or most of it; the
-    /// result is that model then. Laws beside pushes may stand for what the pushes leave.
+    /// The pushes between which the model as it is leaves nothing, where nothing else explains the gap or most of it, or has
+    /// as much evidence; the result is that model then. Laws beside pushes may stand for what the pushes leave.
     fn pushes(
         &mut self,
         status: Status,
@@ -262,10 +267,20 @@ impl<'s, 'a> Ending<'s, 'a> {
             return Ok(None);
         }
         let observer = &self.search.observer;
-        let found = self.path[0].model.pushes(&|| observer.stopped());
-        let Some((pushes, found)) = found else { return Ok(None) };
+        let base = &self.path[0];
+        let found = base.model.pushes(&self.noise, &|| observer.stopped());
+        let gain = |pushed: &Pushed| {
+            let alone = base.score.of_fit_records(base.score.fit, 0);
+            // What is between them is noise.
+            let with = base.score.of_fit_records(pushed.left.sqrt(), pushed.numbers);
+            let with = Score { whiteness: 0.0, ..with };
+            let by = Measure::of([&with, &alone], self.candidates);
+            by.criterion(&alone) - by.criterion(&with)
+        };
+        let sure = |pushed: &Pushed| self.is_sure_beside_fitted(gain(pushed));
+        let Some(Pushed { pushes, between, .. }) = found.filter(sure) else { return Ok(None) };
         self.keep(0)?;
-        self.take_numbers(&found);
+        self.take_numbers(&between);
         self.run_with_numbers();
         Ok(Some(pushes))
     }
@@ -501,15 +516,6 @@ impl<'s, 'a> Ending<'s, 'a> {
         round.rivals = std::mem::take(&mut round.rivals).into_par_iter().filter_map(compared).collect();
     }
 
-    /// By how much later effects lowered the criterion of the model with which a round ended.
-    fn gained_since(&self, round: &Round) -> f64 {
-        let all = self.last.model.effects.len();
-        let later = self.rounds.iter().map(|r| r.before).filter(|before| *before > round.before);
-        let then = &self.path[later.min().unwrap_or(all).min(all)].score;
-        let by = Measure::of([then, &self.last.score], self.candidates);
-        by.criterion(then) - by.criterion(&self.last.score)
-    }
-
     /// The report of the `k`-th effect.
     fn step(&self, k: usize) -> Step {
         let applied = &self.last.model.effects[k];
@@ -543,35 +549,6 @@ impl<'s, 'a> Ending<'s, 'a> {
             vetoed: round.map_or(vec![], |r| r.vetoed.clone()),
         }
     }
-}
-
-impl Step {
-    /// Whether the law is sure beside its rivals. One that holds it, or of which it is a special case, speaks against it
-    /// only where it does better.
-    fn is_sure(&self) -> bool {
-        let own = &self.effect;
-        let holds = |r: &Rival| {
-            let mut effects = r.model.iter().flat_map(|m| m.effects.iter().map(|a| &a.effect));
-            effects.any(|e| e.same(own) || own.is_simpler_form_of(e))
-        };
-        let against = self.rivals.iter().filter(|r| r.delta_bic < 0.0 || !holds(r));
-        probability_beside(against.map(|r| r.delta_bic)) >= SURE
-    }
-}
-
-/// The probability of a model beside rivals whose criterion is so much higher.
-fn probability_beside(rivals: impl Iterator<Item = f64>) -> f64 {
-    let against: f64 = rivals.map(|behind| (-0.5 * behind).exp()).sum();
-    (1.0 + against).recip()
-}
-
-/// The rivals of a law, beside the final model. One that holds the law and more was an answer to what was left then: later
-/// effects have left it behind. Of one without the law nobody knows how it would do beside these.
-fn rivals_of_the_answer(mut rivals: Vec<Rival>, law: &PlacedLaw, gained_since: f64) -> Vec<Rival> {
-    rivals.iter_mut().for_each(|r| r.behind = r.delta_bic + gained_since);
-    rivals.iter_mut().filter(|r| r.laws.contains(law)).for_each(|r| r.delta_bic = r.behind);
-    rivals.sort_by(|a, b| a.delta_bic.total_cmp(&b.delta_bic));
-    rivals
 }
 
 /// The frequency of the drive (rad/s), where every Fit record is a periodic motion at this one.
@@ -750,27 +727,5 @@ mod tests {
         };
         assert_eq!(of("-0.1*sgn(v)"), Status::Explained);
         assert_eq!(of("0.02*v - 0.1*sgn(v)"), Status::Unexplained);
-    }
-
-    /// Where a richer model does better than the answer, the answer is not all; once the answer has more effects, what was
-    /// an alternative to the next one is none any more.
-    #[test]
-    fn a_rival_that_holds_the_law_counts_against_the_final_model() {
-        let law = |id: &str| PlacedLaw { law: id.into(), name: id.into(), at: "v".into() };
-        let rivals = || {
-            let rival = |laws, delta_bic| Rival {
-                laws,
-                delta_bic,
-                behind: f64::INFINITY,
-                completed: None,
-                model: None,
-            };
-            vec![rival(vec![law("maxwell"), law("quintic")], -8.0), rival(vec![law("bouc-wen")], 3.0)]
-        };
-        let deltas = |gained: f64| -> Vec<f64> {
-            rivals_of_the_answer(rivals(), &law("maxwell"), gained).iter().map(|r| r.delta_bic).collect()
-        };
-        assert_eq!(deltas(0.0), [-8.0, 3.0]);
-        assert_eq!(deltas(500.0), [3.0, 492.0]);
     }
 }

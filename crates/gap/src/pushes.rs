@@ -2,7 +2,7 @@
 //! force of the motion is not gone with a few cuts.
 
 use crate::decisions::{FEWEST_SAMPLES, MOST_PUSHES, PUSHED_PART};
-use crate::model::TrialModel;
+use crate::model::{TrialModel, measured};
 use crate::result::Push;
 use phisindy_learn::{Identified, LearnOptions, identify};
 use phisindy_phys::spec::{Method, Role};
@@ -40,6 +40,17 @@ impl Cut {
         }
         cuts.push(self);
     }
+}
+
+/// Pushes that explain what a model leaves.
+pub(crate) struct Pushed {
+    pub(crate) pushes: Vec<Push>,
+    /// The fit of what is between them.
+    pub(crate) between: Identified,
+    /// The mean square, in units of the noise, of what the Fit records leave between them.
+    pub(crate) left: f64,
+    /// How many numbers they have in the Fit records.
+    pub(crate) numbers: usize,
 }
 
 impl TrialModel {
@@ -89,9 +100,8 @@ impl TrialModel {
         identify(&case, &records, &LearnOptions { method: Some(Method::Trajectory) }, &mut observe).ok()
     }
 
-    /// The pushes without which this model leaves nothing, with the fit of what is between them; none where there are no
-    /// such pushes.
-    pub(crate) fn pushes(&self, stopped: &(dyn Fn() -> bool + Sync)) -> Option<(Vec<Push>, Identified)> {
+    /// The pushes without which this model leaves nothing; none where there are no such pushes.
+    pub(crate) fn pushes(&self, noise: &[Vec<f64>], stopped: &(dyn Fn() -> bool + Sync)) -> Option<Pushed> {
         let records = &self.records;
         let mut pieces = self.whole();
         let mut cuts: Vec<Cut> = vec![];
@@ -132,7 +142,24 @@ impl TrialModel {
         cuts.sort_by_key(|cut| (cut.record, cut.samples.start));
         let pushes = cuts.iter().map(|cut| self.push(cut)).collect();
         let found = self.of_pieces(&pieces, None, stopped)?;
-        found.verdict.holds().then_some((pushes, found))
+        let left = self.left_between(&pieces, &found, noise);
+        // A push has a beginning and an end, and the state after it.
+        let of_fit = cuts.iter().filter(|cut| records[cut.record].role == Role::Fit).count();
+        let numbers = of_fit * (2 + self.system.states.len());
+        found.verdict.holds().then_some(Pushed { pushes, between: found, left, numbers })
+    }
+
+    /// The mean square, in units of the noise, of what the Fit records leave between the pushes.
+    fn left_between(&self, pieces: &[Piece], found: &Identified, noise: &[Vec<f64>]) -> f64 {
+        let (mut sum, mut count) = (0.0, 0);
+        let fits = pieces.iter().zip(&found.records);
+        for (piece, fit) in fits.filter(|(piece, _)| self.records[piece.record].role == Role::Fit) {
+            for (column, noise) in measured(fit).zip(&noise[piece.record]) {
+                sum += column.iter().map(|e| (e / noise).powi(2)).sum::<f64>();
+                count += column.len();
+            }
+        }
+        sum / count.max(1) as f64
     }
 
     fn push(&self, cut: &Cut) -> Push {

@@ -1,12 +1,12 @@
 //! Noise that is larger than the columns tell, or has a colour: where it is all that is left, nothing else is missing.
 
-use super::{Ending, probability_beside};
-use crate::changed_constants::{ChangedConstants, is_finding, is_other_than_a_number, is_same_force};
-use crate::decisions::{CHANCE, SURE, WORTH};
+use super::Ending;
+use crate::changed_constants::{ChangedConstants, is_finding};
+use crate::decisions::{CHANCE, WORTH};
 use crate::hum::evidence_of_hum;
 use crate::model::{Fitted, Measure, TrialModel, current, measured};
 use crate::other_causes::causes;
-use crate::result::{GapError, Status, Tried, Warning};
+use crate::result::{GapError, Status, Warning};
 use phisindy_learn::{Effort, Identified, Verdict, reads_outputs};
 use phisindy_phys::spec::Role;
 use phisindy_signal::effective_samples;
@@ -83,13 +83,6 @@ impl Ending<'_, '_> {
         Some(if hum { (less, None) } else { found })
     }
 
-    /// Whether the model as it is is sure beside all laws that were fitted. It may be complete, so a law must gain [`WORTH`] to
-    /// be as likely. A law that is ruled out counts too: something else is missing then.
-    pub(super) fn nothing_is_sure(&self) -> bool {
-        let fitted = self.tried.0.iter().filter(|t| t.gap.is_some());
-        probability_beside(fitted.map(|t| WORTH - t.score)) >= SURE
-    }
-
     /// Whether hum describes the records better than forces of time do, or these better than hum; `None` where the records do
     /// not tell.
     fn is_hum(&self, without: &Fitted, with: &Fitted) -> Option<bool> {
@@ -112,21 +105,6 @@ impl Ending<'_, '_> {
             Some(changed) => self.instead(changed, &[]),
             None => Ok(None),
         }
-    }
-
-    /// Whether changed constants are sure beside the laws that were fitted alone. `constants` is the number of constants that
-    /// could have changed.
-    fn is_sure_beside_laws(&self, changed: &Fitted, constants: usize) -> bool {
-        let by = Measure::of([&changed.score, &self.base.score], self.candidates);
-        let gain = by.criterion(&self.base.score) - by.among(constants).criterion(&changed.score);
-        let other = |t: &&Tried| {
-            let entry = self.search.catalogue.iter().find(|entry| entry.id == t.at.law);
-            let differs = |gap: f64| !is_same_force(gap, changed.score.gap());
-            t.gap.is_some_and(differs)
-                && t.vetoed.is_none()
-                && entry.is_some_and(|e| is_other_than_a_number(&e.law))
-        };
-        probability_beside(self.tried.0.iter().filter(other).map(|t| gain - t.score)) >= SURE
     }
 
     /// Drops forces of time at the end of the model where they are hum: no force is left without them, or tones in the sensors

@@ -49,7 +49,6 @@ impl OccamFactor {
     }
 
     /// Of so many coefficients, whose prior is worth so many samples.
-    #[cfg(test)]
     pub(crate) fn new(coefficients: usize, unit: f64) -> OccamFactor {
         OccamFactor { coefficients, unit, inner: vec![] }
     }

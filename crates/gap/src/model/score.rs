@@ -38,6 +38,12 @@ pub(crate) struct Score {
 }
 
 impl Score {
+    /// Where so many numbers more leave this gap on the Fit records, of which alone it speaks.
+    pub(crate) fn of_fit_records(&self, fit: f64, numbers: usize) -> Score {
+        let occam = OccamFactor::new(numbers, self.samples as f64);
+        Score { fit, validate: None, predictive: None, occam, ..self.clone() }
+    }
+
     /// The gap used for decisions: on Validate records, with the errors of the parameters allowed for, if
     /// there are any; else on Fit records.
     pub(crate) fn gap(&self) -> f64 {
@@ -161,6 +167,17 @@ pub(crate) mod tests {
         // Three standard deviations of the mean of 200 squares are 0.3 of it.
         assert!(white(short(200, 1.13)).explains() && !white(short(200, 1.15)).explains());
         assert!(!white(short(5000, 1.09)).explains() && white(short(5000, 1.07)).explains());
+    }
+
+    /// Two pushes of four numbers each: what they explain pays for them, or does not.
+    #[test]
+    fn numbers_of_the_fit_records_have_their_price() {
+        let base = score(1.2, Some(9.0), 0);
+        let gain = |left: f64| {
+            let with = Score { whiteness: 0.0, ..base.of_fit_records(left, 8) };
+            base.of_fit_records(base.fit, 0).criterion(30, 1.0) - with.criterion(30, 1.0)
+        };
+        assert!(gain(1.0) > 200.0 && gain(1.18) < 0.0, "{} {}", gain(1.0), gain(1.18));
     }
 
     #[test]

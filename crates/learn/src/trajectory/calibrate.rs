@@ -13,7 +13,7 @@ use crate::result::parameter::FoundParameter;
 use crate::result::record_fit::RecordFit;
 use crate::trajectory::error_bars::{ErrorBars, of_curvature};
 use crate::trajectory::fit::{Fit, transfer};
-use crate::trajectory::free_run::free_runs;
+use crate::trajectory::free_run::{Solution, free_runs};
 use crate::trajectory::layout::Segment;
 use crate::trajectory::noise::ColumnNoise;
 use crate::trajectory::problem::{Noise, Problem};
@@ -121,7 +121,8 @@ pub fn calibrate_from(
     };
     let (places, parameters): (Vec<usize>, Vec<FoundParameter>) = moved.into_iter().unzip();
     let curvature = of_curvature(&fit, &places);
-    let replays = free_runs(system, records, smooth, &mut unknowns.solution());
+    let mut solution = Solution { given_up: hopeless, ..unknowns.solution() };
+    let replays = free_runs(system, records, smooth, &mut solution);
     Ok(Calibration {
         chi2,
         samples: fit.samples,

@@ -26,6 +26,8 @@ pub(crate) struct Solution {
     pub(crate) sensors: Vec<Vec<[f64; 4]>>,
     /// Start states, for each record, if fitted already.
     pub(crate) starts: Vec<Option<Vec<f64>>>,
+    /// Whether its fit was given up: start states need no digits then.
+    pub(crate) given_up: bool,
 }
 
 impl Solution {
@@ -43,6 +45,7 @@ impl Solution {
             parameters: vec![parameters.to_vec(); records.len()],
             sensors: records.iter().map(sensors).collect(),
             starts: vec![None; records.len()],
+            given_up: false,
         }
     }
 
@@ -296,14 +299,16 @@ fn started<'a>(
     let weight = |k: usize| 1.0 / problem.deviations[0][k].powi(2).max(f64::MIN_POSITIVE);
     let weights = vec![(0..record.columns.len()).map(|k| vec![weight(k); record.len()]).collect::<Vec<_>>()];
     let bounds = problem.bounds.clone();
+    let hopeless = if solution.given_up { 0.0 } else { f64::INFINITY };
+    let limits = Limits { hopeless, ..Limits::of(START_MINIMUM) };
     let mut more = false;
     loop {
         let part = problem.segments[0];
         let took = validated.then_some(Took { samples: part.samples.1, more });
-        let end = problem.minimise(x, &weights, Limits::of(START_MINIMUM));
+        let end = problem.minimise(x, &weights, limits);
         problem.segments[0] = whole;
         let known = end?;
-        if part.samples.1 >= record.len() {
+        if part.samples.1 >= record.len() || solution.given_up {
             return Ok((problem, took));
         }
         let moves: Vec<usize> = (0..x.len()).filter(|&k| bounds[k].0 < bounds[k].1).collect();

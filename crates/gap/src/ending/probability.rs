@@ -1,0 +1,131 @@
+//! How sure an answer is beside all that was fitted.
+
+use super::Ending;
+use crate::changed_constants::{is_other_than_a_number, is_same_force};
+use crate::decisions::{SURE, WORTH};
+use crate::model::{Fitted, Measure};
+use crate::result::{PlacedLaw, Rival, Step, Tried};
+use crate::search::Round;
+
+impl Ending<'_, '_> {
+    /// Whether the model as it is is sure beside all laws that were fitted. It may be complete, so a law must gain [`WORTH`] to
+    /// be as likely. A law that is ruled out counts too: something else is missing then.
+    pub(super) fn nothing_is_sure(&self) -> bool {
+        self.is_sure_beside_fitted(WORTH)
+    }
+
+    /// Whether what gains so much of the criterion is sure beside all laws that were fitted.
+    pub(super) fn is_sure_beside_fitted(&self, gain: f64) -> bool {
+        let fitted = self.tried.0.iter().filter(|t| t.gap.is_some());
+        probability_beside(fitted.map(|t| gain - t.score)) >= SURE
+    }
+
+    /// Whether changed constants are sure beside the laws that were fitted alone. `constants` is the number of constants that
+    /// could have changed.
+    pub(super) fn is_sure_beside_laws(&self, changed: &Fitted, constants: usize) -> bool {
+        let by = Measure::of([&changed.score, &self.base.score], self.candidates);
+        let gain = by.criterion(&self.base.score) - by.among(constants).criterion(&changed.score);
+        let other = |t: &&Tried| {
+            let entry = self.search.catalogue.iter().find(|entry| entry.id == t.at.law);
+            let differs = |gap: f64| !is_same_force(gap, changed.score.gap());
+            t.gap.is_some_and(differs)
+                && t.vetoed.is_none()
+                && entry.is_some_and(|e| is_other_than_a_number(&e.law))
+        };
+        probability_beside(self.tried.0.iter().filter(other).map(|t| gain - t.score)) >= SURE
+    }
+
+    /// Whether a law that is ruled out has very strong evidence against the final model: what it explains is there, in another
+    /// form.
+    pub(super) fn is_beaten_by_a_law_ruled_out(&self) -> bool {
+        let by = Measure::of([&self.last.score, &self.base.score], self.candidates);
+        is_beaten(by.criterion(&self.base.score) - by.criterion(&self.last.score), &self.tried.0)
+    }
+
+    /// By how much later effects lowered the criterion of the model with which a round ended.
+    pub(super) fn gained_since(&self, round: &Round) -> f64 {
+        let all = self.last.model.effects.len();
+        let later = self.rounds.iter().map(|r| r.before).filter(|before| *before > round.before);
+        let then = &self.path[later.min().unwrap_or(all).min(all)].score;
+        let by = Measure::of([then, &self.last.score], self.candidates);
+        by.criterion(then) - by.criterion(&self.last.score)
+    }
+}
+
+/// Whether a law that was fitted and is ruled out gains more of the criterion than this, by what is very strong evidence.
+fn is_beaten(gain: f64, tried: &[Tried]) -> bool {
+    tried.iter().any(|t| t.vetoed.is_some() && t.gap.is_some() && t.score > gain + WORTH)
+}
+
+impl Step {
+    /// Whether the law is sure beside its rivals. One that holds it, or of which it is a special case, speaks against it
+    /// only where it does better.
+    pub(super) fn is_sure(&self) -> bool {
+        let own = &self.effect;
+        let holds = |r: &Rival| {
+            let mut effects = r.model.iter().flat_map(|m| m.effects.iter().map(|a| &a.effect));
+            effects.any(|e| e.same(own) || own.is_simpler_form_of(e))
+        };
+        let against = self.rivals.iter().filter(|r| r.delta_bic < 0.0 || !holds(r));
+        probability_beside(against.map(|r| r.delta_bic)) >= SURE
+    }
+}
+
+/// The probability of a model beside rivals whose criterion is so much higher.
+pub(super) fn probability_beside(rivals: impl Iterator<Item = f64>) -> f64 {
+    let against: f64 = rivals.map(|behind| (-0.5 * behind).exp()).sum();
+    (1.0 + against).recip()
+}
+
+/// The rivals of a law, beside the final model. One that holds the law and more was an answer to what was left then: later
+/// effects have left it behind. Of one without the law nobody knows how it would do beside these.
+pub(super) fn rivals_of_the_answer(mut rivals: Vec<Rival>, law: &PlacedLaw, gained_since: f64) -> Vec<Rival> {
+    rivals.iter_mut().for_each(|r| r.behind = r.delta_bic + gained_since);
+    rivals.iter_mut().filter(|r| r.laws.contains(law)).for_each(|r| r.delta_bic = r.behind);
+    rivals.sort_by(|a, b| a.delta_bic.total_cmp(&b.delta_bic));
+    rivals
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::result::Veto;
+
+    /// A law that is ruled out speaks where it was fitted, and with very strong evidence; one that stands is a rival, and has
+    /// its probability.
+    #[test]
+    fn a_law_that_is_ruled_out_is_evidence() {
+        let law = |score: f64, gap: Option<f64>, vetoed: Option<Veto>| {
+            let at = PlacedLaw { law: "b".into(), name: "b".into(), at: "v".into() };
+            [Tried { at, score, gap, probability: None, vetoed }]
+        };
+        let out = || Some(Veto::FeedsMotion);
+        assert!(is_beaten(100.0, &law(111.0, Some(1.0), out())));
+        assert!(!is_beaten(100.0, &law(109.0, Some(1.0), out())));
+        assert!(
+            !is_beaten(100.0, &law(111.0, None, out())) && !is_beaten(100.0, &law(111.0, Some(1.0), None))
+        );
+    }
+
+    /// Where a richer model does better than the answer, the answer is not all; once the answer has more effects, what was
+    /// an alternative to the next one is none any more.
+    #[test]
+    fn a_rival_that_holds_the_law_counts_against_the_final_model() {
+        let law = |id: &str| PlacedLaw { law: id.into(), name: id.into(), at: "v".into() };
+        let rivals = || {
+            let rival = |laws, delta_bic| Rival {
+                laws,
+                delta_bic,
+                behind: f64::INFINITY,
+                completed: None,
+                model: None,
+            };
+            vec![rival(vec![law("maxwell"), law("quintic")], -8.0), rival(vec![law("bouc-wen")], 3.0)]
+        };
+        let deltas = |gained: f64| -> Vec<f64> {
+            rivals_of_the_answer(rivals(), &law("maxwell"), gained).iter().map(|r| r.delta_bic).collect()
+        };
+        assert_eq!(deltas(0.0), [-8.0, 3.0]);
+        assert_eq!(deltas(500.0), [3.0, 492.0]);
+    }
+}
