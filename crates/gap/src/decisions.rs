@@ -329,6 +329,8 @@ decisions! {
     MOVES: f64 = 10.0, "of the noise", Basis::Judgement("ten times the noise is a motion");
     /// Bumps over the range of a speed or a displacement, where a force has no form.
     NONE_BUMPS: usize = 9, "bumps", Basis::Judgement("a friction curve has three to five features between its ends");
+    /// A force that differs from that of the laws by less is theirs.
+    NONE_DIFFERS: f64 = 0.05, "of the force", Basis::Convention("what an engineer reads off a friction curve");
     /// Sizes of such a force between the least that is seen and the whole force on the body.
     NONE_SIZES: usize = 13, "sizes", Basis::Judgement("three to four in a decade; the average changes little with more");
     /// Two curves with a larger correlation have the same shape.

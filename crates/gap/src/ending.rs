@@ -128,7 +128,6 @@ impl<'s, 'a> Ending<'s, 'a> {
         };
         let open_end = status == Status::Unexplained && alternative.is_none();
         let judged = if open_end { self.by_the_judge_of_run(searched, determined)? } else { None };
-        let larger_noise = judged.is_some();
         let (status, determined) = judged.unwrap_or((status, determined));
         let found = |a: &Applied| a.effect.entry.id == DISCOVERED;
         let status = match status {
@@ -152,14 +151,12 @@ impl<'s, 'a> Ending<'s, 'a> {
             {
                 Status::Undetermined
             }
-            Status::Explained if steps.iter().any(unlikely) || self.is_beaten_by_a_law_ruled_out() => {
-                Status::Undetermined
-            }
+            Status::Explained if steps.iter().any(unlikely) => Status::Undetermined,
             Status::Described if none.is_some_and(|p| p > 0.5) || steps.iter().any(unlikely_law) => {
                 Status::Undetermined
             }
-            // Another drawing of the inputs is no excuse for a force that it cannot make; nor is noise of another size.
-            Status::Explained if (open > 0.0 || larger_noise) && none.is_some_and(|p| p > 0.5) => {
+            // Another drawing of the inputs is no excuse for a force that it cannot make.
+            Status::Explained if none.is_some_and(|p| p > 0.5) => {
                 let named = open > 0.0 && substantial(&steps) == steps.len();
                 if named { Status::Named } else { Status::Undetermined }
             }

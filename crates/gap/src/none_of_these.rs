@@ -8,17 +8,20 @@
 //!
 //! (C. E. Rasmussen and C. K. I. Williams, Gaussian Processes for Machine Learning, 2006, eq. 2.30, with the size of the
 //! noise unknown: A. Zellner, An Introduction to Bayesian Inference in Econometrics, 1971, ch. 3), averaged over sizes `s`
-//! between what the records can see and the whole force on the body, each as likely beforehand. So a law that is right pays
+//! between what matters beside the force of the laws, or what the records can see, and the whole force on the body, each as
+//! likely beforehand. So a law that is right pays
 //! the process nothing, and one that is only near to what is there loses to it. Noise of a colour counts with the part of
 //! its samples that is independent.
 
-use crate::decisions::{NONE_BUMPS, NONE_SIZES};
+use crate::decisions::{NONE_BUMPS, NONE_DIFFERS, NONE_SIZES};
+use crate::evaluate::along_run;
 use crate::hum::waves_of_tones;
 use crate::input_interpolation::redrawn_runs;
 use crate::model::Fitted;
 use crate::place::{Place, Site};
 use crate::screen::{Kinematics, PartialRegression, Target, dot};
 use faer::{Mat, Side};
+use phisindy_expr::{Id, Tape};
 use phisindy_phys::spec::Role;
 
 /// The probability that the missing force is none of the laws of a model; `None` where it has no force, or the
@@ -50,11 +53,12 @@ fn at(last: &Fitted, regression: &PartialRegression, place: &Place) -> Vec<f64> 
     let place = places.iter().find(|p| p.at == place.at).unwrap_or(place);
     let Some(kinematics) = regression.kinematics(system, place) else { return vec![] };
     let Some(whole) = whole_force(last, &kinematics, place) else { return vec![] };
+    let matters = NONE_DIFFERS * force_of_laws(last, place).unwrap_or(0.0);
     let over_speed = speeds(&kinematics);
     let over_both = if kinematics.has_displacement() { both(&kinematics) } else { vec![] };
     let kernels = [over_speed, over_both].into_iter().filter(|bumps| !bumps.is_empty());
     let independent = last.score.independent();
-    kernels.filter_map(|bumps| odds(regression, &kinematics, &bumps, (whole, independent))).collect()
+    kernels.filter_map(|bumps| odds(regression, &kinematics, &bumps, [matters, whole], independent)).collect()
 }
 
 /// A force at each sample, by record.
@@ -107,12 +111,34 @@ fn whole_force(last: &Fitted, at: &Kinematics, place: &Place) -> Option<f64> {
     (rms.is_finite() && rms > 0.0).then_some(rms)
 }
 
-/// `Z_0/Z`, averaged over the sizes of the force up to a whole one, with this part of the samples independent.
+/// The root mean square of the force of the laws at a place.
+fn force_of_laws(last: &Fitted, place: &Place) -> Option<f64> {
+    let system = &last.model.system;
+    let here = last.model.effects.iter().filter(|a| a.effect.place.at == place.at);
+    let mut graph = system.graph.clone();
+    let forces: Vec<Id> = here.filter_map(|a| a.force).collect();
+    let force = forces.into_iter().reduce(|a, b| graph.add(a, b))?;
+    let tape = Tape::compile(&graph, &system.arguments(), &[force]).ok()?;
+    let (mut sum, mut count) = (0.0, 0);
+    for (r, (record, of)) in last.model.records.iter().zip(&last.cal.records).enumerate() {
+        let Some(run) = of.run.as_ref().filter(|_| record.role == Role::Fit) else { continue };
+        let model = (system, last.cal.parameters.as_slice());
+        for [force] in along_run(&tape, model, (r, record), run, 1).filter(|[force]| force.is_finite()) {
+            sum += force * force;
+            count += 1;
+        }
+    }
+    (count > 0).then(|| (sum / f64::from(count)).sqrt())
+}
+
+/// `Z_0/Z`, averaged over the sizes of the force from one that matters, and that the records can see, to a whole one, with
+/// this part of the samples independent.
 fn odds(
     regression: &PartialRegression,
     at: &Kinematics,
     bumps: &[Force],
-    (whole, independent): (f64, f64),
+    [matters, whole]: [f64; 2],
+    independent: f64,
 ) -> Option<f64> {
     let responses: Vec<Vec<f64>> =
         bumps.iter().filter_map(|force| Some(regression.response(at, force, at.rested())?.rows)).collect();
@@ -132,7 +158,7 @@ fn odds(
     if most <= 0.0 {
         return None;
     }
-    let least = most.sqrt().recip().min(whole);
+    let least = most.sqrt().recip().max(matters).min(whole);
     let (power, samples) = (dot(y, y), independent * y.len() as f64);
     let evidence = |s: f64| {
         let s2 = independent * s * s;
@@ -152,7 +178,7 @@ mod tests {
     const COULOMB: &str = include_str!("../../phys/laws/coulomb.ron");
     const VISCOUS: &str = include_str!("../../phys/laws/viscous.ron");
 
-    /// The law that is there leaves nothing for a force without a form, however small the noise is and whatever
+    /// The law that is there leaves nothing for another force that matters, however small the noise is and whatever
     /// the responses miss at its stops; one that is only like it does.
     #[test]
     fn a_law_in_the_place_of_another_one_loses_to_none_of_these() {
@@ -173,7 +199,7 @@ mod tests {
             probability(&fitted(base.with(&law).expect("a model"), &noise), &noise).expect("a probability")
         };
         let (right, wrong) = (of("coulomb", COULOMB), of("viscous", VISCOUS));
-        assert!(right < 0.3 && wrong > 0.99, "{size}: {right} {wrong}");
+        assert!(right < 0.01 && wrong > 0.99, "{size}: {right} {wrong}");
         assert!(probability(&fitted(base, &noise), &noise).is_none());
     }
 }

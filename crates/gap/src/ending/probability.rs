@@ -35,13 +35,6 @@ impl Ending<'_, '_> {
         probability_beside(self.tried.0.iter().filter(other).map(|t| gain - t.score)) >= SURE
     }
 
-    /// Whether a law that is ruled out has very strong evidence against the final model: what it explains is there, in another
-    /// form.
-    pub(super) fn is_beaten_by_a_law_ruled_out(&self) -> bool {
-        let by = Measure::of([&self.last.score, &self.base.score], self.candidates);
-        is_beaten(by.criterion(&self.base.score) - by.criterion(&self.last.score), &self.tried.0)
-    }
-
     /// By how much later effects lowered the criterion of the model with which a round ended.
     pub(super) fn gained_since(&self, round: &Round) -> f64 {
         let all = self.last.model.effects.len();
@@ -50,11 +43,6 @@ impl Ending<'_, '_> {
         let by = Measure::of([then, &self.last.score], self.candidates);
         by.criterion(then) - by.criterion(&self.last.score)
     }
-}
-
-/// Whether a law that was fitted and is ruled out gains more of the criterion than this, by what is very strong evidence.
-fn is_beaten(gain: f64, tried: &[Tried]) -> bool {
-    tried.iter().any(|t| t.vetoed.is_some() && t.gap.is_some() && t.score > gain + WORTH)
 }
 
 impl Step {
@@ -89,23 +77,6 @@ pub(super) fn rivals_of_the_answer(mut rivals: Vec<Rival>, law: &PlacedLaw, gain
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::result::Veto;
-
-    /// A law that is ruled out speaks where it was fitted, and with very strong evidence; one that stands is a rival, and has
-    /// its probability.
-    #[test]
-    fn a_law_that_is_ruled_out_is_evidence() {
-        let law = |score: f64, gap: Option<f64>, vetoed: Option<Veto>| {
-            let at = PlacedLaw { law: "b".into(), name: "b".into(), at: "v".into() };
-            [Tried { at, score, gap, probability: None, vetoed }]
-        };
-        let out = || Some(Veto::FeedsMotion);
-        assert!(is_beaten(100.0, &law(111.0, Some(1.0), out())));
-        assert!(!is_beaten(100.0, &law(109.0, Some(1.0), out())));
-        assert!(
-            !is_beaten(100.0, &law(111.0, None, out())) && !is_beaten(100.0, &law(111.0, Some(1.0), None))
-        );
-    }
 
     /// Where a richer model does better than the answer, the answer is not all; once the answer has more effects, what was
     /// an alternative to the next one is none any more.
