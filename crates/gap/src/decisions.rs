@@ -254,8 +254,8 @@ decisions! {
     FAR_ABOVE: f64 = 10.0, "factor", Basis::Judgement("a law that is right does not end a decade above the record");
     /// An elastic contact whose force stays below this never slips.
     SLIPS: f64 = 0.5, "of the level", BLIND;
-    /// A damper whose force at slow motion is a larger part of that at quick motion is dry friction.
-    LEVEL: f64 = 0.95, "of the force", Basis::Convention("forces that differ by less than a twentieth are one");
+    /// Forces that differ by less are one: a law's and another one, a damper's at slow and at quick motion.
+    SAME_FORCE: f64 = 0.05, "of the force", Basis::Convention("forces that differ by less than a twentieth are one");
     // The end.
 
     /// This number of effects can hide whatever is missing.
@@ -329,8 +329,6 @@ decisions! {
     MOVES: f64 = 10.0, "of the noise", Basis::Judgement("ten times the noise is a motion");
     /// Bumps over the range of a speed or a displacement, where a force has no form.
     NONE_BUMPS: usize = 9, "bumps", Basis::Judgement("a friction curve has three to five features between its ends");
-    /// A force that differs from that of the laws by less is theirs.
-    NONE_DIFFERS: f64 = 0.05, "of the force", Basis::Convention("what an engineer reads off a friction curve");
     /// Sizes of such a force between the least that is seen and the whole force on the body.
     NONE_SIZES: usize = 13, "sizes", Basis::Judgement("three to four in a decade; the average changes little with more");
     /// Two curves with a larger correlation have the same shape.

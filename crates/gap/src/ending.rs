@@ -12,7 +12,7 @@ use crate::drive_frequency::drive_frequency;
 use crate::formula::{DISCOVERED, expansion};
 use crate::input_interpolation::{Redrawn, beyond_noise, coarse_inputs, redrawn};
 use crate::model::{
-    Applied, ColumnError, Fitted, Measure, Score, TrialModel, current, expression, text_with, values,
+    Applied, ColumnError, Fitted, Measure, TrialModel, current, expression, text_with, values,
 };
 use crate::none_of_these::probability as probability_of_none;
 use crate::other_causes::{causes, input_noise};
@@ -155,7 +155,7 @@ impl<'s, 'a> Ending<'s, 'a> {
             Status::Described if none.is_some_and(|p| p > 0.5) || steps.iter().any(unlikely_law) => {
                 Status::Undetermined
             }
-            // Another drawing of the inputs is no excuse for a force that it cannot make.
+            // Another force is there. Where the inputs may be drawn in another way, what brings the gap far down is named.
             Status::Explained if none.is_some_and(|p| p > 0.5) => {
                 let named = open > 0.0 && substantial(&steps) == steps.len();
                 if named { Status::Named } else { Status::Undetermined }
@@ -243,8 +243,8 @@ impl<'s, 'a> Ending<'s, 'a> {
         of.model.with_random_force(&|| observer.stopped())
     }
 
-    /// The pushes between which the model as it is leaves nothing, where nothing else explains the gap or most of it, or has
-    /// as much evidence; the result is that model then. Laws beside pushes may stand for what the pushes leave.
+    /// The pushes between which the model as it is leaves nothing. They count where nothing else explains most of the gap, and
+    /// no law has as much evidence. The result is that model then: laws beside pushes may stand for what the pushes leave.
     fn pushes(
         &mut self,
         status: Status,
@@ -266,16 +266,9 @@ impl<'s, 'a> Ending<'s, 'a> {
         let observer = &self.search.observer;
         let base = &self.path[0];
         let found = base.model.pushes(&self.noise, &|| observer.stopped());
-        let gain = |pushed: &Pushed| {
-            let alone = base.score.of_fit_records(base.score.fit, 0);
-            // What is between them is noise.
-            let with = base.score.of_fit_records(pushed.left.sqrt(), pushed.numbers);
-            let with = Score { whiteness: 0.0, ..with };
-            let by = Measure::of([&with, &alone], self.candidates);
-            by.criterion(&alone) - by.criterion(&with)
+        let Some(Pushed { pushes, between, .. }) = found.filter(|p| self.pushes_are_sure(p, base)) else {
+            return Ok(None);
         };
-        let sure = |pushed: &Pushed| self.is_sure_beside_fitted(gain(pushed));
-        let Some(Pushed { pushes, between, .. }) = found.filter(sure) else { return Ok(None) };
         self.keep(0)?;
         self.take_numbers(&between);
         self.run_with_numbers();

@@ -2,7 +2,7 @@
 //! law's file, the drive, compliance during stops.
 
 use crate::constraint::fulfilled;
-use crate::decisions::{EXPLAINED, FAR_ABOVE, GIVES_BACK, GIVES_WAY, LEVEL, SHORT_STOP, SLIPS};
+use crate::decisions::{EXPLAINED, FAR_ABOVE, GIVES_BACK, GIVES_WAY, SAME_FORCE, SHORT_STOP, SLIPS};
 use crate::drive::{Drive, multiple_of_oscillation};
 use crate::evaluate::evaluated;
 use crate::formula::DISCOVERED;
@@ -201,7 +201,7 @@ fn is_dry_friction(fitted: &Fitted, effect: &Effect) -> Option<Veto> {
     let mut all = force_and_speed(fitted, effect)?;
     all.sort_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
     let (slow, quick) = (all.get(all.len() / 4)?.0.abs(), all.get(3 * all.len() / 4)?.0.abs());
-    (slow > LEVEL * quick && quick > 0.0).then_some(Veto::IsDryFriction)
+    (slow > (1.0 - SAME_FORCE) * quick && quick > 0.0).then_some(Veto::IsDryFriction)
 }
 
 /// Friction dissipates. A friction law that returns energy along the measured motion imitates something else.

@@ -11,7 +11,7 @@ mod spec_text;
 mod trial_model;
 
 pub use error::ModelError;
-pub(crate) use fitted::{Fitted, current, measured, values};
+pub(crate) use fitted::{Fitted, current, measured, power_of, values};
 pub(crate) use input_error::ColumnError;
 pub(crate) use records::{noise_of, shortened};
 #[cfg(test)]

@@ -8,12 +8,11 @@
 //!
 //! (C. E. Rasmussen and C. K. I. Williams, Gaussian Processes for Machine Learning, 2006, eq. 2.30, with the size of the
 //! noise unknown: A. Zellner, An Introduction to Bayesian Inference in Econometrics, 1971, ch. 3), averaged over sizes `s`
-//! between what matters beside the force of the laws, or what the records can see, and the whole force on the body, each as
-//! likely beforehand. So a law that is right pays
-//! the process nothing, and one that is only near to what is there loses to it. Noise of a colour counts with the part of
-//! its samples that is independent.
+//! between the least that makes another force of that of the laws, or that the records can see, and the whole force on the
+//! body, each as likely beforehand. So a law that is right pays the process nothing, and one that is only near to what is
+//! there loses to it. Noise of a colour counts with the part of its samples that is independent.
 
-use crate::decisions::{NONE_BUMPS, NONE_DIFFERS, NONE_SIZES};
+use crate::decisions::{NONE_BUMPS, NONE_SIZES, SAME_FORCE};
 use crate::evaluate::along_run;
 use crate::hum::waves_of_tones;
 use crate::input_interpolation::redrawn_runs;
@@ -53,7 +52,7 @@ fn at(last: &Fitted, regression: &PartialRegression, place: &Place) -> Vec<f64> 
     let place = places.iter().find(|p| p.at == place.at).unwrap_or(place);
     let Some(kinematics) = regression.kinematics(system, place) else { return vec![] };
     let Some(whole) = whole_force(last, &kinematics, place) else { return vec![] };
-    let matters = NONE_DIFFERS * force_of_laws(last, place).unwrap_or(0.0);
+    let matters = SAME_FORCE * force_of_laws(last, place).unwrap_or(0.0);
     let over_speed = speeds(&kinematics);
     let over_both = if kinematics.has_displacement() { both(&kinematics) } else { vec![] };
     let kernels = [over_speed, over_both].into_iter().filter(|bumps| !bumps.is_empty());
@@ -100,35 +99,35 @@ fn whole_force(last: &Fitted, at: &Kinematics, place: &Place) -> Option<f64> {
     let Site::Force { acts, .. } = &place.site else { return None };
     let &(state, _) = acts.first()?;
     let fitted = last.model.records.iter().zip(&last.cal.records).filter(|(r, _)| r.role == Role::Fit);
-    let (mut sum, mut count) = (0.0, 0);
+    let mut forces = vec![];
     for ((_, of), unit) in fitted.zip(at.units()) {
         let run = of.run.as_ref()?;
         let rates = (0..run.samples()).map(|i| run.rates[i * run.n + state]);
-        sum += rates.zip(unit).map(|(rate, unit)| (rate / unit).powi(2)).sum::<f64>();
-        count += run.samples();
+        forces.extend(rates.zip(unit).map(|(rate, unit)| rate / unit));
     }
-    let rms = (sum / f64::from(u32::try_from(count).ok()?)).sqrt();
-    (rms.is_finite() && rms > 0.0).then_some(rms)
+    Some(root_mean_square(&forces)).filter(|rms| rms.is_finite() && *rms > 0.0)
 }
 
 /// The root mean square of the force of the laws at a place.
 fn force_of_laws(last: &Fitted, place: &Place) -> Option<f64> {
     let system = &last.model.system;
-    let here = last.model.effects.iter().filter(|a| a.effect.place.at == place.at);
+    let here = last.model.effects.iter().filter(|a| a.effect.place.is(place));
     let mut graph = system.graph.clone();
     let forces: Vec<Id> = here.filter_map(|a| a.force).collect();
     let force = forces.into_iter().reduce(|a, b| graph.add(a, b))?;
     let tape = Tape::compile(&graph, &system.arguments(), &[force]).ok()?;
-    let (mut sum, mut count) = (0.0, 0);
+    let mut all = vec![];
     for (r, (record, of)) in last.model.records.iter().zip(&last.cal.records).enumerate() {
         let Some(run) = of.run.as_ref().filter(|_| record.role == Role::Fit) else { continue };
         let model = (system, last.cal.parameters.as_slice());
-        for [force] in along_run(&tape, model, (r, record), run, 1).filter(|[force]| force.is_finite()) {
-            sum += force * force;
-            count += 1;
-        }
+        let forces = along_run(&tape, model, (r, record), run, 1).map(|[force]| force);
+        all.extend(forces.filter(|force| force.is_finite()));
     }
-    (count > 0).then(|| (sum / f64::from(count)).sqrt())
+    Some(root_mean_square(&all))
+}
+
+fn root_mean_square(values: &[f64]) -> f64 {
+    (dot(values, values) / values.len().max(1) as f64).sqrt()
 }
 
 /// `Z_0/Z`, averaged over the sizes of the force from one that matters, and that the records can see, to a whole one, with

@@ -2,7 +2,7 @@
 //! force of the motion is not gone with a few cuts.
 
 use crate::decisions::{FEWEST_SAMPLES, MOST_PUSHES, PUSHED_PART};
-use crate::model::{TrialModel, measured};
+use crate::model::{TrialModel, power_of};
 use crate::result::Push;
 use phisindy_learn::{Identified, LearnOptions, identify};
 use phisindy_phys::spec::{Method, Role};
@@ -142,24 +142,13 @@ impl TrialModel {
         cuts.sort_by_key(|cut| (cut.record, cut.samples.start));
         let pushes = cuts.iter().map(|cut| self.push(cut)).collect();
         let found = self.of_pieces(&pieces, None, stopped)?;
-        let left = self.left_between(&pieces, &found, noise);
+        let runs = pieces.iter().zip(&found.records).filter(|(p, _)| records[p.record].role == Role::Fit);
+        let (missed, samples) = power_of(runs.map(|(p, fit)| (fit, noise[p.record].as_slice())));
+        let left = missed / samples.max(1) as f64;
         // A push has a beginning and an end, and the state after it.
         let of_fit = cuts.iter().filter(|cut| records[cut.record].role == Role::Fit).count();
         let numbers = of_fit * (2 + self.system.states.len());
         found.verdict.holds().then_some(Pushed { pushes, between: found, left, numbers })
-    }
-
-    /// The mean square, in units of the noise, of what the Fit records leave between the pushes.
-    fn left_between(&self, pieces: &[Piece], found: &Identified, noise: &[Vec<f64>]) -> f64 {
-        let (mut sum, mut count) = (0.0, 0);
-        let fits = pieces.iter().zip(&found.records);
-        for (piece, fit) in fits.filter(|(piece, _)| self.records[piece.record].role == Role::Fit) {
-            for (column, noise) in measured(fit).zip(&noise[piece.record]) {
-                sum += column.iter().map(|e| (e / noise).powi(2)).sum::<f64>();
-                count += column.len();
-            }
-        }
-        sum / count.max(1) as f64
     }
 
     fn push(&self, cut: &Cut) -> Push {

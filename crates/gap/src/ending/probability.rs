@@ -3,36 +3,44 @@
 use super::Ending;
 use crate::changed_constants::{is_other_than_a_number, is_same_force};
 use crate::decisions::{SURE, WORTH};
-use crate::model::{Fitted, Measure};
+use crate::model::{Fitted, Measure, Score};
+use crate::pushes::Pushed;
 use crate::result::{PlacedLaw, Rival, Step, Tried};
 use crate::search::Round;
 
 impl Ending<'_, '_> {
-    /// Whether the model as it is is sure beside all laws that were fitted. It may be complete, so a law must gain [`WORTH`] to
-    /// be as likely. A law that is ruled out counts too: something else is missing then.
+    /// Whether an answer that lowers the criterion by `gain` is sure beside the fitted laws that count.
+    fn is_sure_beside(&self, gain: f64, counts: impl Fn(&Tried, f64) -> bool) -> bool {
+        let rivals = self.tried.0.iter().filter(|t| t.gap.is_some_and(|gap| counts(t, gap)));
+        probability_beside(rivals.map(|t| gain - t.score)) >= SURE
+    }
+
+    /// Whether it is sure that no law is missing. The model may be complete, so a law must gain [`WORTH`] to be as likely. A law
+    /// that is ruled out counts too: something else is missing then.
     pub(super) fn nothing_is_sure(&self) -> bool {
-        self.is_sure_beside_fitted(WORTH)
+        self.is_sure_beside(WORTH, |_, _| true)
     }
 
-    /// Whether what gains so much of the criterion is sure beside all laws that were fitted.
-    pub(super) fn is_sure_beside_fitted(&self, gain: f64) -> bool {
-        let fitted = self.tried.0.iter().filter(|t| t.gap.is_some());
-        probability_beside(fitted.map(|t| gain - t.score)) >= SURE
+    /// Whether pushes are sure beside every fitted law. `base` is the model that they act on.
+    pub(super) fn pushes_are_sure(&self, pushed: &Pushed, base: &Fitted) -> bool {
+        let without = base.score.of_fit_records(base.score.fit, 0);
+        let with = base.score.of_fit_records(pushed.left.sqrt(), pushed.numbers);
+        // What is between them is noise.
+        let with = Score { whiteness: 0.0, ..with };
+        let by = Measure::of([&with, &without], self.candidates);
+        self.is_sure_beside(by.criterion(&without) - by.criterion(&with), |_, _| true)
     }
 
-    /// Whether changed constants are sure beside the laws that were fitted alone. `constants` is the number of constants that
-    /// could have changed.
+    /// Whether changed constants are sure beside the fitted laws. `constants` says how many could have changed.
     pub(super) fn is_sure_beside_laws(&self, changed: &Fitted, constants: usize) -> bool {
         let by = Measure::of([&changed.score, &self.base.score], self.candidates);
         let gain = by.criterion(&self.base.score) - by.among(constants).criterion(&changed.score);
-        let other = |t: &&Tried| {
+        self.is_sure_beside(gain, |t, gap| {
             let entry = self.search.catalogue.iter().find(|entry| entry.id == t.at.law);
-            let differs = |gap: f64| !is_same_force(gap, changed.score.gap());
-            t.gap.is_some_and(differs)
+            !is_same_force(gap, changed.score.gap())
                 && t.vetoed.is_none()
                 && entry.is_some_and(|e| is_other_than_a_number(&e.law))
-        };
-        probability_beside(self.tried.0.iter().filter(other).map(|t| gain - t.score)) >= SURE
+        })
     }
 
     /// By how much later effects lowered the criterion of the model with which a round ended.

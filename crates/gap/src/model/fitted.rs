@@ -329,12 +329,17 @@ fn of(cal: &Calibration, role: Role) -> Vec<usize> {
 
 /// Sum of (residual / noise)^2 over some records, and the number of samples; infinite where a run fails.
 fn power(cal: &Calibration, noise: &[Vec<f64>], of: &[usize]) -> (f64, usize) {
+    power_of(of.iter().map(|&r| (&cal.records[r], noise[r].as_slice())))
+}
+
+/// The same of runs of records, each with the noise of its columns.
+pub(crate) fn power_of<'a>(runs: impl Iterator<Item = (&'a RecordFit, &'a [f64])>) -> (f64, usize) {
     let (mut sum, mut count) = (0.0, 0);
-    for &r in of {
-        if cal.records[r].run.is_none() {
+    for (fit, noise) in runs {
+        if fit.run.is_none() {
             return (f64::INFINITY, 1);
         }
-        for (residual, noise) in measured(&cal.records[r]).zip(&noise[r]) {
+        for (residual, noise) in measured(fit).zip(noise) {
             sum += residual.iter().map(|e| (e / noise).powi(2)).sum::<f64>();
             count += residual.len();
         }
