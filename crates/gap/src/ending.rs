@@ -265,7 +265,7 @@ impl<'s, 'a> Ending<'s, 'a> {
         }
         let observer = &self.search.observer;
         let base = &self.path[0];
-        let found = base.model.pushes(&self.noise, &|| observer.stopped());
+        let found = base.model.pushes(&base.cal.records, &self.noise, &|| observer.stopped());
         let Some(Pushed { pushes, between, .. }) = found.filter(|p| self.pushes_are_sure(p, base)) else {
             return Ok(None);
         };

@@ -4,7 +4,7 @@
 use crate::decisions::{FEWEST_SAMPLES, MOST_PUSHES, PUSHED_PART};
 use crate::model::{TrialModel, power_of};
 use crate::result::Push;
-use phisindy_learn::{Identified, LearnOptions, identify};
+use phisindy_learn::{Identified, LearnOptions, RecordFit, identify};
 use phisindy_phys::spec::{Method, Role};
 use phisindy_phys::{Case, Record};
 use std::ops::{ControlFlow, Range};
@@ -47,9 +47,12 @@ pub(crate) struct Pushed {
     pub(crate) pushes: Vec<Push>,
     /// The fit of what is between them.
     pub(crate) between: Identified,
-    /// The mean square, in units of the noise, of what the Fit records leave between them.
-    pub(crate) left: f64,
-    /// How many numbers they have in the Fit records.
+    /// The samples between them, in all records.
+    pub(crate) samples: usize,
+    /// The mean square, in units of the noise, that these leave without the pushes and with them. A push shows in the motion
+    /// after it; an outlier does not.
+    pub(crate) left: [f64; 2],
+    /// How many numbers they have.
     pub(crate) numbers: usize,
 }
 
@@ -100,8 +103,13 @@ impl TrialModel {
         identify(&case, &records, &LearnOptions { method: Some(Method::Trajectory) }, &mut observe).ok()
     }
 
-    /// The pushes without which this model leaves nothing; none where there are no such pushes.
-    pub(crate) fn pushes(&self, noise: &[Vec<f64>], stopped: &(dyn Fn() -> bool + Sync)) -> Option<Pushed> {
+    /// The pushes without which this model leaves nothing; none where there are no such pushes. `without` is its fit.
+    pub(crate) fn pushes(
+        &self,
+        without: &[RecordFit],
+        noise: &[Vec<f64>],
+        stopped: &(dyn Fn() -> bool + Sync),
+    ) -> Option<Pushed> {
         let records = &self.records;
         let mut pieces = self.whole();
         let mut cuts: Vec<Cut> = vec![];
@@ -142,13 +150,13 @@ impl TrialModel {
         cuts.sort_by_key(|cut| (cut.record, cut.samples.start));
         let pushes = cuts.iter().map(|cut| self.push(cut)).collect();
         let found = self.of_pieces(&pieces, None, stopped)?;
-        let runs = pieces.iter().zip(&found.records).filter(|(p, _)| records[p.record].role == Role::Fit);
-        let (missed, samples) = power_of(runs.map(|(p, fit)| (fit, noise[p.record].as_slice())));
-        let left = missed / samples.max(1) as f64;
+        let noise_of = |p: &Piece| noise[p.record].as_slice();
+        let (with, samples) = power_of(pieces.iter().zip(&found.records).map(|(p, fit)| (fit, noise_of(p))));
+        let alone = |p: &Piece| power_within(&without[p.record], &p.samples, noise_of(p));
+        let left = [pieces.iter().map(alone).sum(), with].map(|power| power / samples.max(1) as f64);
         // A push has a beginning and an end, and the state after it.
-        let of_fit = cuts.iter().filter(|cut| records[cut.record].role == Role::Fit).count();
-        let numbers = of_fit * (2 + self.system.states.len());
-        found.verdict.holds().then_some(Pushed { pushes, between: found, left, numbers })
+        let numbers = cuts.len() * (2 + self.system.states.len());
+        found.verdict.holds().then_some(Pushed { pushes, between: found, samples, left, numbers })
     }
 
     fn push(&self, cut: &Cut) -> Push {
@@ -163,6 +171,12 @@ impl TrialModel {
             unit: state.unit.clone(),
         }
     }
+}
+
+/// Sum of (residual / noise)^2 of some samples of a run; what a column does not show has no residual.
+fn power_within(fit: &RecordFit, samples: &Range<usize>, noise: &[f64]) -> f64 {
+    let columns = fit.residuals.iter().filter(|column| !column.is_empty()).zip(noise);
+    columns.flat_map(|(column, noise)| column[samples.clone()].iter().map(move |e| (e / noise).powi(2))).sum()
 }
 
 /// The stretch whose force is the strongest beside the rest: where the likelihood of two levels is largest, one within and

@@ -221,6 +221,42 @@ fn noise_with_a_colour_is_no_force() {
     assert_eq!((cubic.status, &named[..]), (Status::Explained, &["cubic-stiffness"][..]), "{:?}", cubic.none);
 }
 
+/// Noise with heavy tails (Student's t, three degrees of freedom) on a speed that is read late.
+fn late_with_outliers(record: &mut Record, seed: u64) {
+    for (k, size) in [(0, 0.037), (1, 0.064)] {
+        let [a, b, c, d] = [0, 1, 2, 3].map(|part| gaussian(record.len(), 100 * seed + 10 * k as u64 + part));
+        let tail = |i: usize| a[i] / (b[i].powi(2) + c[i].powi(2) + d[i].powi(2)).sqrt();
+        let Some(column) = record.columns[k].as_mut() else { panic!("a column") };
+        let mut before = column[0];
+        for (i, value) in column.iter_mut().enumerate() {
+            let late = *value - 0.27 * k as f64 * (*value - before);
+            before = std::mem::replace(value, late + size * tail(i));
+        }
+    }
+}
+
+/// Outliers are no pushes: a stretch without them is no evidence of a force within it.
+#[test]
+fn outliers_are_no_pushes() {
+    let record = |samples: f64, seed: usize, role: &str| {
+        format!(
+            r#"Synthetic(name: "{role}", truth: {{}}, start: {{ "x": 0.0, "v": 0.0 }}, duration: {:?}, step: 0.0789,
+                noise: Additive(1e-9), seed: {seed}, role: {role})"#,
+            0.0789 * samples
+        )
+    };
+    let text = format!(
+        r#"(constants: {{ "m": (1.3, "kg"), "c": (0.047, "N*s/m"), "k": (2.97, "N/m") }}, states: {{ "x": "m", "v": "m/s" }},
+            known: {{ "x": "v", "v": "(0.93*cos(1.96*t) - c*v - k*x)/m" }}, inertia: {{ "v": "m" }}, unknown: {{}}, data: [{}, {}])"#,
+        record(207.0, 1, "Fit"),
+        record(139.0, 2, "Validate")
+    );
+    for seed in [14, 21] {
+        let said = found(&text, &[], |record| late_with_outliers(record, seed + record.name.len() as u64));
+        assert!(!matches!(said.alternative, Some(Alternative::Pushes(_))), "{:?}", said.alternative);
+    }
+}
+
 /// A spring so faint that the residual is white is not told, nor is it said that nothing is missing.
 #[test]
 fn nothing_is_missing_where_no_law_is_likely() {

@@ -3,44 +3,44 @@
 use super::Ending;
 use crate::changed_constants::{is_other_than_a_number, is_same_force};
 use crate::decisions::{SURE, WORTH};
-use crate::model::{Fitted, Measure, Score};
+use crate::model::{Fitted, Measure};
 use crate::pushes::Pushed;
 use crate::result::{PlacedLaw, Rival, Step, Tried};
 use crate::search::Round;
 
 impl Ending<'_, '_> {
-    /// Whether an answer that lowers the criterion by `gain` is sure beside the fitted laws that count.
-    fn is_sure_beside(&self, gain: f64, counts: impl Fn(&Tried, f64) -> bool) -> bool {
-        let rivals = self.tried.0.iter().filter(|t| t.gap.is_some_and(|gap| counts(t, gap)));
-        probability_beside(rivals.map(|t| gain - t.score)) >= SURE
+    /// By how much the fitted laws that count lower the criterion, each alone.
+    fn gains(&self, counts: impl Fn(&Tried, f64) -> bool) -> impl Iterator<Item = f64> {
+        let fitted = self.tried.0.iter().filter(move |t| t.gap.is_some_and(|gap| counts(t, gap)));
+        fitted.map(|t| t.score)
     }
 
     /// Whether it is sure that no law is missing. The model may be complete, so a law must gain [`WORTH`] to be as likely. A law
     /// that is ruled out counts too: something else is missing then.
     pub(super) fn nothing_is_sure(&self) -> bool {
-        self.is_sure_beside(WORTH, |_, _| true)
+        is_sure(WORTH, self.gains(|_, _| true))
     }
 
-    /// Whether pushes are sure beside every fitted law. `base` is the model that they act on.
+    /// Whether pushes are sure beside `base`, the model that they act on, and beside every fitted law.
     pub(super) fn pushes_are_sure(&self, pushed: &Pushed, base: &Fitted) -> bool {
-        let without = base.score.of_fit_records(base.score.fit, 0);
-        let with = base.score.of_fit_records(pushed.left.sqrt(), pushed.numbers);
-        // What is between them is noise.
-        let with = Score { whiteness: 0.0, ..with };
+        let Pushed { samples, left, numbers, .. } = *pushed;
+        let [without, with] =
+            [(left[0], 0), (left[1], numbers)].map(|(left, n)| base.score.of_samples(left, samples, n));
         let by = Measure::of([&with, &without], self.candidates);
-        self.is_sure_beside(by.criterion(&without) - by.criterion(&with), |_, _| true)
+        is_sure(by.criterion(&without) - by.criterion(&with), self.gains(|_, _| true).chain([0.0]))
     }
 
     /// Whether changed constants are sure beside the fitted laws. `constants` says how many could have changed.
     pub(super) fn is_sure_beside_laws(&self, changed: &Fitted, constants: usize) -> bool {
         let by = Measure::of([&changed.score, &self.base.score], self.candidates);
         let gain = by.criterion(&self.base.score) - by.among(constants).criterion(&changed.score);
-        self.is_sure_beside(gain, |t, gap| {
+        let other = |t: &Tried, gap: f64| {
             let entry = self.search.catalogue.iter().find(|entry| entry.id == t.at.law);
             !is_same_force(gap, changed.score.gap())
                 && t.vetoed.is_none()
                 && entry.is_some_and(|e| is_other_than_a_number(&e.law))
-        })
+        };
+        is_sure(gain, self.gains(other))
     }
 
     /// By how much later effects lowered the criterion of the model with which a round ended.
@@ -65,6 +65,11 @@ impl Step {
         let against = self.rivals.iter().filter(|r| r.delta_bic < 0.0 || !holds(r));
         probability_beside(against.map(|r| r.delta_bic)) >= SURE
     }
+}
+
+/// Whether what lowers the criterion by `gain` is sure beside rivals that lower it by so much.
+fn is_sure(gain: f64, rivals: impl Iterator<Item = f64>) -> bool {
+    probability_beside(rivals.map(|other| gain - other)) >= SURE
 }
 
 /// The probability of a model beside rivals whose criterion is so much higher.

@@ -38,10 +38,11 @@ pub(crate) struct Score {
 }
 
 impl Score {
-    /// Where so many numbers more leave this gap on the Fit records, of which alone it speaks.
-    pub(crate) fn of_fit_records(&self, fit: f64, numbers: usize) -> Score {
-        let occam = OccamFactor::new(numbers, self.samples as f64);
-        Score { fit, validate: None, predictive: None, occam, ..self.clone() }
+    /// The score where so many numbers more leave this mean square of so many independent samples.
+    pub(crate) fn of_samples(&self, left: f64, samples: usize, numbers: usize) -> Score {
+        let (effective, occam) = (samples as f64, OccamFactor::new(numbers, samples as f64));
+        let fit = left.sqrt();
+        Score { fit, validate: None, predictive: None, samples, effective, occam, ..self.clone() }
     }
 
     /// The gap used for decisions: on Validate records, with the errors of the parameters allowed for, if
@@ -171,13 +172,11 @@ pub(crate) mod tests {
 
     /// Two pushes of four numbers each: what they explain pays for them, or does not.
     #[test]
-    fn numbers_of_the_fit_records_have_their_price() {
+    fn numbers_of_some_samples_have_their_price() {
         let base = score(1.2, Some(9.0), 0);
-        let gain = |left: f64| {
-            let with = Score { whiteness: 0.0, ..base.of_fit_records(left, 8) };
-            base.of_fit_records(base.fit, 0).criterion(30, 1.0) - with.criterion(30, 1.0)
-        };
-        assert!(gain(1.0) > 200.0 && gain(1.18) < 0.0, "{} {}", gain(1.0), gain(1.18));
+        let of = |left: f64, numbers: usize| base.of_samples(left, 1000, numbers).criterion(30, 1.0);
+        let gain = |left: f64| of(1.44, 0) - of(left, 8);
+        assert!(gain(1.0) > 200.0 && gain(1.4) < 0.0, "{} {}", gain(1.0), gain(1.4));
     }
 
     #[test]
