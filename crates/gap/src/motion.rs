@@ -62,7 +62,7 @@ impl Motion {
                 match part {
                     SensorPart::Gain => sensor.0 = p.estimate.value,
                     SensorPart::Offset => sensor.1 = p.estimate.value,
-                    SensorPart::Delay | SensorPart::Clock => {}
+                    SensorPart::Delay | SensorPart::Clock | SensorPart::Lag => {}
                 }
             }
         }

@@ -5,6 +5,7 @@ use phisindy_gap::{Alternative, Gap, Status, gap, standing};
 use phisindy_phys::spec::Spec;
 use phisindy_phys::{Case, LawEntry, Origin, Record, SourceId, check, spec};
 use phisindy_signal::test_signals::gaussian;
+use phisindy_signal::{Interpolation, Signal};
 use phisindy_sim::synthesize;
 use std::ops::ControlFlow;
 
@@ -219,6 +220,42 @@ fn noise_with_a_colour_is_no_force() {
     let cubic = found(&rig(["-5e5*x^3", "-5e5*x^3"]), &catalogue, with_slow_noise);
     let named: Vec<&str> = cubic.steps.iter().map(|s| s.effect.entry.id.as_str()).collect();
     assert_eq!((cubic.status, &named[..]), (Status::Explained, &["cubic-stiffness"][..]), "{:?}", cubic.none);
+}
+
+/// A displacement through a filter of first order, straight between the tenths of a sample, and what the converter adds.
+fn behind_a_filter(record: &mut Record, lag: f64) {
+    let (time, added) = (record.time.clone(), gaussian(record.len(), 7 + record.name.len() as u64));
+    let Some(column) = record.columns[0].as_mut() else { panic!("a displacement") };
+    let motion = Signal::new(time.clone(), column.clone(), Interpolation::Cubic).expect("a signal");
+    let (mut shown, mut before) = (column[0], column[0]);
+    for k in 1..column.len() {
+        let step = 0.1 * (time[k] - time[k - 1]);
+        let stays = (-step / lag).exp();
+        for tenth in 1..=10 {
+            let now = motion.value(time[k - 1] + f64::from(tenth) * step);
+            let behind = (now - before) / step * lag;
+            shown = now - behind + (shown - before + behind) * stays;
+            before = now;
+        }
+        column[k] = shown + 5e-5 * added[k];
+    }
+}
+
+/// A filter before the converter is a lag and no delay, and the numbers of the rig hold beside it.
+#[test]
+fn a_filter_of_the_sensors_is_named() {
+    let laws = [
+        ("coulomb", include_str!("../../phys/laws/coulomb.ron")),
+        ("sensor-delay", include_str!("../../phys/laws/sensor-delay.ron")),
+        ("sensor-lag", include_str!("../../phys/laws/sensor-lag.ron")),
+        ("viscous", include_str!("../../phys/laws/viscous.ron")),
+    ];
+    let catalogue = laws.map(|(id, law)| LawEntry::read(id, law).expect("a law"));
+    let said = found(&rig(["0", "0"]), &catalogue, |record| behind_a_filter(record, 6e-3));
+    let named: Vec<&str> = said.steps.iter().map(|s| s.effect.entry.id.as_str()).collect();
+    assert_eq!((said.status, &named[..]), (Status::Explained, &["sensor-lag"][..]), "{:?}", said.none);
+    let tau = said.parameters.iter().find(|p| p.id.to_string() == "tau").expect("a number").estimate.ci95;
+    assert!(tau.0 < 6e-3 && tau.1 > 6e-3 && tau.1 - tau.0 < 1e-3, "{tau:?}");
 }
 
 /// Noise with heavy tails (Student's t, three degrees of freedom) on a speed that is read late.

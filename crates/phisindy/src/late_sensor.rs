@@ -6,8 +6,7 @@
 
 use crate::loaded::{Loaded, checked};
 use phisindy_learn::{Identified, LateColumn, LearnError, LearnOptions, Warning, identify};
-use phisindy_phys::{Record, SourceId, System, splice};
-use std::f64::consts::TAU;
+use phisindy_phys::{Record, RecordPlan, SourceId, splice};
 use std::ops::ControlFlow;
 
 impl Loaded {
@@ -66,7 +65,7 @@ fn convincing(
         return None;
     }
     let delay = found.parameters.iter().any(|p| p.id.to_string() == delay_name(&late.name));
-    let by = if delay { delay_name(&late.name) } else { cutoff_name(&late.name) };
+    let by = if delay { delay_name(&late.name) } else { lag_name(&late.name) };
     found.warnings.insert(0, Warning::Late { column: late.name.clone(), by, delay, errors });
     Some((loaded, found))
 }
@@ -75,53 +74,38 @@ fn delay_name(column: &str) -> String {
     format!("{column}_delay").replace('.', "_")
 }
 
-fn cutoff_name(column: &str) -> String {
-    format!("{column}_cutoff").replace('.', "_")
+fn lag_name(column: &str) -> String {
+    format!("{column}_lag").replace('.', "_")
 }
 
 /// With a delay of the column in every record.
 fn with_delay(loaded: &Loaded, late: &LateColumn) -> Option<Loaded> {
     let reach = late.reach * late.delay.abs();
-    let found =
-        Number { name: delay_name(&late.name), start: late.delay, unit: "s", within: (-reach, reach) };
-    edited(loaded, late, &found, "delay", &format!("\"{}\"", found.name))
+    edited(loaded, late, "delay", &delay_name(&late.name), (-reach, reach))
 }
 
-/// With a low-pass of first order before the column in every record.
+/// With a lag of the column in every record.
 fn with_lag(loaded: &Loaded, late: &LateColumn) -> Option<Loaded> {
-    let system = &loaded.case.system;
-    if late.delay <= 0.0 || system.filters.iter().any(|f| system.outputs[f.output].name == late.name) {
-        return None;
-    }
-    let start = 1.0 / (TAU * late.delay);
-    let found = Number {
-        name: cutoff_name(&late.name),
-        start,
-        unit: "Hz",
-        within: (start / late.reach, start * late.reach),
-    };
-    let filter = format!("(order: 1, cutoff: \"{}\")", found.name);
-    edited(loaded, late, &found, "lowpass", &filter)
-}
-
-/// A constant that is to be found.
-struct Number {
-    name: String,
-    start: f64,
-    unit: &'static str,
-    within: (f64, f64),
+    let most = late.reach * late.delay;
+    (late.delay > 0.0).then(|| edited(loaded, late, "lag", &lag_name(&late.name), (0.0, most)))?
 }
 
 /// The text with one more constant, and a property of a column in every record that uses it; `None` if the text has
 /// no place for it.
-fn edited(loaded: &Loaded, late: &LateColumn, found: &Number, property: &str, value: &str) -> Option<Loaded> {
-    let Number { name, start, unit, within: (low, high) } = found;
+fn edited(
+    loaded: &Loaded,
+    late: &LateColumn,
+    property: &str,
+    name: &str,
+    (low, high): (f64, f64),
+) -> Option<Loaded> {
+    let start = late.delay;
     let system = &loaded.case.system;
     let records = &loaded.records;
     if system.names.get(name).is_some() || loaded.case.records.len() != records.len() {
         return None;
     }
-    let constant = format!("Find(start: {start:?}, unit: \"{unit}\", within: ({low:?}, {high:?}))");
+    let constant = format!("Find(start: {start:?}, unit: \"s\", within: ({low:?}, {high:?}))");
     let mut text = if loaded.parsed.constants.is_empty() {
         splice::set(&loaded.text, "constants", &format!("{{ \"{name}\": {constant} }}")).ok()?
     } else {
@@ -129,33 +113,14 @@ fn edited(loaded: &Loaded, late: &LateColumn, found: &Number, property: &str, va
     };
     let column = if late.name.contains('.') { format!("\"{}\"", late.name) } else { late.name.clone() };
     for k in (0..records.len()).filter(|&k| records[k].columns[late.column].is_some()) {
-        text = splice::set(&text, &format!("data.{k}.sensors.{column}.{property}"), value).ok()?;
+        text = splice::set(&text, &format!("data.{k}.sensors.{column}.{property}"), &format!("\"{name}\""))
+            .ok()?;
     }
     let (parsed, case, _) = checked(&text, SourceId(0), &loaded.parsed.files).ok()?;
-    let records = records.iter().zip(&case.records).map(|(record, plan)| {
-        let places = laid_out(record, system, &case.system);
-        let columns = places.iter().map(|place| record.columns[(*place)?].clone()).collect();
-        let own_times = record.own_times.at(places.into_iter());
-        Record {
-            columns,
-            own_times,
-            sensors: plan.sensors.clone(),
-            start: plan.start.clone(),
-            ..record.clone()
-        }
-    });
-    let records = records.collect();
+    let with =
+        |(record, plan): (&Record, &RecordPlan)| Record { sensors: plan.sensors.clone(), ..record.clone() };
+    let records = records.iter().zip(&case.records).map(with).collect();
     // What is simulated without noise knows no sensor.
     let truths = loaded.truths.iter().map(|_| None).collect();
     Some(Loaded { text, parsed, case, records, truths, ..loaded.clone() })
-}
-
-/// Where a record has the columns that another system has: a filtered state is read as an output of its name.
-fn laid_out(record: &Record, from: &System, to: &System) -> Vec<Option<usize>> {
-    let own =
-        |name: &str| (0..from.columns()).find(|&k| from.measured(k).0 == name && record.columns[k].is_some());
-    let shown = |k: usize| to.outputs.iter().any(|o| o.name == to.states[k].name);
-    (0..to.columns())
-        .map(|k| if k < to.states.len() && shown(k) { None } else { own(to.measured(k).0) })
-        .collect()
 }

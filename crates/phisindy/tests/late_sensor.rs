@@ -83,7 +83,7 @@ fn what_a_sensor_is_late_by_is_found_beside_the_rest() {
     assert!(told(&found_late) && (delay - 0.005).abs() < 3e-4, "{delay}");
     assert!(errors(&found_late).iter().all(|e| *e < 3.0), "{:?}", errors(&found_late));
 
-    // A low-pass is one: its cutoff is found, not a delay.
+    // A low-pass is one: its lag is found, not a delay.
     let mut held = x[0];
     let follow = (-TAU * 20.0 / FINE as f64).exp();
     let slow = x.iter().map(|x| {
@@ -91,11 +91,11 @@ fn what_a_sensor_is_late_by_is_found_beside_the_rest() {
         held
     });
     let found_slow = found(&slow.collect::<Vec<_>>());
-    let cutoff = number(&found_slow, "x_cutoff").expect("a cutoff");
-    assert!(told(&found_slow) && (cutoff - 20.0).abs() < 1.0, "{cutoff}");
+    let lag = number(&found_slow, "x_lag").expect("a lag");
+    assert!(told(&found_slow) && (TAU * 20.0 * lag - 1.0).abs() < 0.05, "{lag}");
     assert!(errors(&found_slow).iter().all(|e| *e < 3.0), "{:?}", errors(&found_slow));
 
     // What was found can be run again: the sensor stands in the text.
     let again = found_slow.case().expect("a case");
-    assert!(again.text().contains("lowpass") && again.text().contains("x_cutoff"));
+    assert!(again.text().contains("lag: \"x_lag\""));
 }

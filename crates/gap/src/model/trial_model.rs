@@ -361,7 +361,7 @@ impl TrialModel {
         Ok(())
     }
 
-    /// Makes the effect's parameter the offset, gain or delay of the sensors of these columns.
+    /// Makes the effect's parameter the offset, gain, delay or lag of the sensors of these columns.
     fn set_sensor_parameter(&mut self, applied: &Applied, columns: Vec<usize>) -> Result<(), EffectError> {
         let entry = &applied.effect.entry;
         let which = entry.law.property().ok_or_else(|| EffectError::NoSensor(entry.id.clone()))?;
@@ -380,6 +380,7 @@ impl TrialModel {
                 match which {
                     "offset" => sensor.offset = parameter.clone(),
                     "gain" => sensor.gain = parameter.clone(),
+                    "lag" => sensor.lag = parameter.clone(),
                     _ => sensor.delay = parameter.clone(),
                 }
             }

@@ -76,7 +76,7 @@ impl FreeColumns {
             for (r, data) in data.iter().enumerate() {
                 let mut rows = responses[r][p].clone();
                 let sensors = &model.records[of[r]].sensors;
-                for which in 0..4 {
+                for which in 0..phisindy_phys::SENSOR_PARAMETERS {
                     let read = |k: &usize| sensors[*k].parameters()[which].shared == Some(p);
                     let columns: Vec<usize> = (0..model.system.columns()).filter(read).collect();
                     if !columns.is_empty() {

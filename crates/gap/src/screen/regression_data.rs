@@ -307,7 +307,8 @@ impl RegressionData {
         Some(&self.readings.as_ref()?.by_parameter[output][parameter])
     }
 
-    /// The derivative of the readings by a sensor parameter of some columns: 0 offset, 1 gain, 2 delay, 3 clock.
+    /// The derivative of the readings by a sensor parameter of some columns: 0 offset, 1 gain, 2 delay, 3 clock, 4 lag.
+    /// A lag is a delay, to first order.
     pub(super) fn sensor(&self, columns: &[usize], which: usize) -> Vec<f64> {
         let of = |row: &Row| -> Vec<f64> {
             let on = columns.contains(&row.column);
@@ -318,7 +319,7 @@ impl RegressionData {
                     // Proportional to the model's response; a column of the measured values themselves would
                     // explain everything.
                     1 => row.known[i],
-                    2 => -gain * self.slope(i, row),
+                    2 | 4 => -gain * self.slope(i, row),
                     _ => gain * self.slope(i, row) * (self.motion.time[i] - self.motion.since),
                 };
                 if on { row.weight * change } else { 0.0 }

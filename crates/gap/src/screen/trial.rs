@@ -26,6 +26,7 @@ pub(super) fn sensor_trials(effect: &Effect, columns: &[usize], data: &[Regressi
     let which = match effect.entry.law.sensor.as_deref() {
         Some("offset") => 0,
         Some("gain") => 1,
+        Some("lag") => 4,
         _ => 2,
     };
     let column = data.iter().flat_map(|g| g.sensor(columns, which)).collect();

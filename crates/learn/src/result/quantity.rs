@@ -1,7 +1,7 @@
 //! What a number of a result is of: a term of the dictionary, a constant, or a property of a sensor. Names
 //! stand beside the indices, so that a result can be printed without the system.
 
-use phisindy_phys::System;
+use phisindy_phys::{SENSOR_PARAMETERS, System};
 
 /// A term of the dictionary.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -25,7 +25,7 @@ impl TermId {
     }
 }
 
-/// A property of a sensor: its column says `offset + gain * quantity(t - delay + clock*t)`.
+/// A property of a sensor: its column says `offset + gain * quantity(t - delay + clock*t)`, followed with a lag.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SensorPart {
     /// Zero error, in the unit of the column.
@@ -36,12 +36,14 @@ pub enum SensorPart {
     Delay,
     /// The error of the rate of its clock.
     Clock,
+    /// The time constant with which it follows, in seconds.
+    Lag,
 }
 
 impl SensorPart {
     /// All of them, in the order in which the fit keeps them.
-    pub const ALL: [SensorPart; 4] =
-        [SensorPart::Offset, SensorPart::Gain, SensorPart::Delay, SensorPart::Clock];
+    pub const ALL: [SensorPart; SENSOR_PARAMETERS] =
+        [SensorPart::Offset, SensorPart::Gain, SensorPart::Delay, SensorPart::Clock, SensorPart::Lag];
 
     /// As the spec writes it.
     pub fn name(self) -> &'static str {
@@ -50,6 +52,7 @@ impl SensorPart {
             SensorPart::Gain => "gain",
             SensorPart::Delay => "delay",
             SensorPart::Clock => "clock",
+            SensorPart::Lag => "lag",
         }
     }
 
@@ -58,7 +61,7 @@ impl SensorPart {
         match self {
             SensorPart::Offset => column,
             SensorPart::Gain | SensorPart::Clock => "",
-            SensorPart::Delay => "s",
+            SensorPart::Delay | SensorPart::Lag => "s",
         }
     }
 }

@@ -159,7 +159,7 @@ impl Display for Warning {
             ),
             Warning::Copy { record, of } => write!(f, "{record} holds the same samples as {of}: they count once, and show nothing of how well the result repeats"),
             Warning::Late { column, by, delay, errors } => {
-                let how = if *delay { "late" } else { "through a low-pass of first order" };
+                let how = if *delay { "late" } else { "with a lag of first order" };
                 write!(
                     f,
                     "{column} is read {how}, which the spec does not say: {by} was found beside the rest (a delay of it is \

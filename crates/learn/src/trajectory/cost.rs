@@ -2,9 +2,10 @@
 
 use crate::decisions::ROUGH_MINIMUM;
 use crate::least_squares::{Limits, Normal, minimise_by};
+use crate::result::quantity::SensorPart;
 use crate::trajectory::delayed_samples::SampledRun;
 use crate::trajectory::jumps::Miss;
-use crate::trajectory::layout::{Segment, Source};
+use crate::trajectory::layout::{Segment, SensorSlots, Source};
 use crate::trajectory::problem::Problem;
 use crate::trajectory::products::Products;
 use crate::trajectory::window_means::Window;
@@ -286,15 +287,14 @@ impl Problem<'_> {
         Ok(total)
     }
 
-    /// The unknowns on which the run of a segment depends, and where the offset, gain, delay and clock
-    /// of each column stand among them.
-    pub(crate) fn unknowns_of(&self, segment: &Segment) -> (Vec<usize>, Vec<[usize; 4]>) {
+    /// The unknowns on which the run of a segment depends, and where those of the sensor of each column stand among them.
+    pub(crate) fn unknowns_of(&self, segment: &Segment) -> (Vec<usize>, Vec<SensorSlots>) {
         let (n, r) = (self.system.states.len(), segment.record);
         // Columns of the sensitivities: start states, then the unknown ones among the model's parameters.
         let mut at: Vec<usize> = (segment.start..segment.start + n).collect();
         at.extend(self.sources(r).filter_map(|s| if let Source::Unknown(k) = s { Some(k) } else { None }));
         let columns = self.system.columns();
-        let mut sensor_slots = vec![[usize::MAX; 4]; columns];
+        let mut sensor_slots = vec![[usize::MAX; SensorPart::ALL.len()]; columns];
         for (k, sensor) in self.sensors[r][..columns].iter().enumerate() {
             for (which, source) in sensor.iter().enumerate() {
                 if let Source::Unknown(unknown) = *source {
@@ -376,7 +376,7 @@ impl Problem<'_> {
         (segment, samples, window): (&Segment, Range<usize>, usize),
         x: &[f64],
         weights: &[Vec<Vec<f64>>],
-        (sampled, sensor_slots): (&SampledRun, &[[usize; 4]]),
+        (sampled, sensor_slots): (&SampledRun, &[SensorSlots]),
         misses: Vec<f64>,
         products: &mut Products,
     ) {
@@ -396,20 +396,9 @@ impl Problem<'_> {
                 }
                 let factor = weight * gain;
                 row.iter_mut().zip(sampled.sensitivities(i, k)).for_each(|(j, s)| *j = factor * s);
-                let [offset_at, gain_at, delay_at, clock_at] = sensor_slots[k];
                 let age = self.records[r].time[sample] - self.records[r].sensors[k].since;
-                if offset_at != usize::MAX {
-                    row[offset_at] += weight;
-                }
-                if gain_at != usize::MAX {
-                    row[gain_at] += weight * value;
-                }
-                if delay_at != usize::MAX {
-                    row[delay_at] -= weight * gain * rate;
-                }
-                if clock_at != usize::MAX {
-                    row[clock_at] += weight * gain * rate * age;
-                }
+                let by = by_sensor(weight, gain, (value, rate, sampled.by_lag(i, k)), age);
+                add_to(row, &sensor_slots[k], by);
                 // Where the reading shows the other side of a jump, it tells the time of the event.
                 let beside = self.beside_jumps(segment, x, sampled, (sample, k), 1.0 / weight);
                 let miss = prediction - column[sample];
@@ -420,12 +409,8 @@ impl Problem<'_> {
                     let row = products.row(e);
                     let moves = &run.jumps[jump].moves;
                     row.iter_mut().zip(moves).for_each(|(j, s)| *j = per_second * s);
-                    if delay_at != usize::MAX {
-                        row[delay_at] += per_second;
-                    }
-                    if clock_at != usize::MAX {
-                        row[clock_at] -= per_second * age;
-                    }
+                    let by = [0.0, 0.0, per_second, -per_second * age, per_second];
+                    add_to(row, &sensor_slots[k], by);
                 }
             }
         }
@@ -438,7 +423,7 @@ impl Problem<'_> {
         &self,
         segment: &Segment,
         x: &[f64],
-        (sampled, sensor_slots): (&SampledRun, &[[usize; 4]]),
+        (sampled, sensor_slots): (&SampledRun, &[SensorSlots]),
         mean: &Window<'_>,
         products: &mut Products,
     ) {
@@ -446,33 +431,37 @@ impl Problem<'_> {
         let (_, gain) = self.reading(r, k, x, 0.0);
         let factor = mean.factor * gain;
         let row = products.row(mean.miss);
-        let [offset_at, gain_at, delay_at, clock_at] = sensor_slots[k];
         let record = self.records[r];
         let age = |i: usize| record.time[segment.samples.0 + i] - record.sensors[k].since;
         for &i in mean.samples() {
             let (value, rate) = sampled.value(i, k);
             row.iter_mut().zip(sampled.sensitivities(i, k)).for_each(|(j, s)| *j += factor * s);
-            if offset_at != usize::MAX {
-                row[offset_at] += mean.factor;
-            }
-            if gain_at != usize::MAX {
-                row[gain_at] += mean.factor * value;
-            }
-            if delay_at != usize::MAX {
-                row[delay_at] -= factor * rate;
-            }
-            if clock_at != usize::MAX {
-                row[clock_at] += factor * rate * age(i);
-            }
+            let by = by_sensor(mean.factor, gain, (value, rate, sampled.by_lag(i, k)), age(i));
+            add_to(row, &sensor_slots[k], by);
         }
         mean.add_events(row);
-        if delay_at != usize::MAX {
-            row[delay_at] -= mean.loss();
-        }
-        if clock_at != usize::MAX {
-            let middle = mean.samples()[mean.samples().len() / 2];
-            row[clock_at] += mean.loss() * age(middle);
-        }
+        let middle = mean.samples()[mean.samples().len() / 2];
+        let loss = mean.loss();
+        add_to(row, &sensor_slots[k], [0.0, 0.0, -loss, loss * age(middle), -loss]);
+    }
+}
+
+/// How a reading of this weight and gain moves with the parameters of its sensor, in the order of [`SensorPart::ALL`], from
+/// what it shows, its rate and its derivative by the lag, at this age of the sensor's clock.
+pub(crate) fn by_sensor(
+    weight: f64,
+    gain: f64,
+    (value, rate, by_lag): (f64, f64, f64),
+    age: f64,
+) -> [f64; SensorPart::ALL.len()] {
+    let factor = weight * gain;
+    [weight, weight * value, -(factor * rate), factor * rate * age, factor * by_lag]
+}
+
+/// Adds these derivatives to a row of `J` where they are of unknowns.
+pub(crate) fn add_to(row: &mut [f64], slots: &SensorSlots, by: [f64; SensorPart::ALL.len()]) {
+    for (&at, by) in slots.iter().zip(by).filter(|(at, _)| **at != usize::MAX) {
+        row[at] += by;
     }
 }
 

@@ -3,6 +3,7 @@
 //! One simulation serves all columns. It is sampled at the times of every delay, and each column takes the
 //! samples of its own delay.
 
+use phisindy_phys::LAG_MOMENTS;
 use phisindy_sim::Trajectory;
 
 /// Times at which a run is sampled, and which of them belong to which column.
@@ -12,8 +13,19 @@ pub(crate) struct DelayedSamples {
     /// For each distinct delay, the indices of its samples in `times`. The first delay is that of the states
     /// themselves.
     at: Vec<Vec<usize>>,
-    /// For each column, the moments whose sum a sample is: the index of the delay of each, and its weight.
-    moments: Vec<Vec<(usize, f64)>>,
+    /// For each column, the moments whose sum a sample is.
+    moments: Vec<Vec<Moment>>,
+}
+
+/// A moment that a sample shows.
+#[derive(Clone, Copy)]
+struct Moment {
+    /// The index of its delay in [`DelayedSamples::at`].
+    of: usize,
+    /// The part that it has of the sample.
+    part: f64,
+    /// How many time constants of the lag it is back.
+    lags: f64,
 }
 
 /// How late a sensor is, and by what its clock drifts.
@@ -25,28 +37,36 @@ pub(crate) struct Lateness {
     pub(crate) since: f64,
     /// Over how long a sample is the mean, up to its time.
     pub(crate) average: f64,
+    /// The time constant of its lag.
+    pub(crate) lag: f64,
 }
 
 impl Lateness {
-    /// The moments whose weighted sum a sample is: one, or the nodes of Gauss's rule with three, which is exact for
-    /// polynomials up to the fifth degree. The second of three is the middle.
-    fn moments(self) -> Vec<(Lateness, f64)> {
-        let at = |part: f64| Lateness { delay: self.delay + part * self.average, average: 0.0, ..self };
-        if self.average == 0.0 {
-            return vec![(self, 1.0)];
-        }
+    /// The moments whose weighted sum a sample is, each with its part and how many lags it is back. A mean has the nodes of
+    /// Gauss's rule with three, which is exact for polynomials up to the fifth degree, a lag has [`LAG_MOMENTS`]. The
+    /// one in the middle is the mean moment.
+    fn moments(self) -> Vec<(Lateness, f64, f64)> {
         let apart = 0.5 * 0.6_f64.sqrt();
-        vec![(at(0.5 - apart), 5.0 / 18.0), (at(0.5), 8.0 / 18.0), (at(0.5 + apart), 5.0 / 18.0)]
+        let mean = [(0.5 - apart, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.5 + apart, 5.0 / 18.0)];
+        let mean = if self.average == 0.0 { &[(0.0, 1.0)][..] } else { &mean[..] };
+        let lags = if self.lag == 0.0 { &[(1.0, 1.0)][..] } else { &LAG_MOMENTS[..] };
+        let at = |back: f64, lags: f64| {
+            let delay = self.delay + back * self.average + lags * self.lag;
+            Lateness { delay, average: 0.0, lag: 0.0, ..self }
+        };
+        let of = |&(back, part): &(f64, f64)| lags.iter().map(move |(l, of)| (at(back, *l), part * of, *l));
+        mean.iter().flat_map(of).collect()
     }
 
     /// The middle of what a sample at `t` shows.
     pub(crate) fn middle(self, t: f64) -> f64 {
-        self.shown(t) - 0.5 * self.average
+        self.shown(t) - 0.5 * self.average - self.lag
     }
 
-    /// The first that a sample at `t` shows.
+    /// The first that a sample at `t` shows, but for a thousandth part of it.
     pub(crate) fn oldest(self, t: f64) -> f64 {
-        self.shown(t) - self.average
+        let told = LAG_MOMENTS.iter().filter(|(_, part)| *part > 1e-3);
+        self.shown(t) - self.average - told.fold(0.0, |most, (back, _)| back.max(most)) * self.lag
     }
 
     /// When what a sample at `t` shows was.
@@ -66,7 +86,7 @@ impl DelayedSamples {
     /// Samples at `samples`, each state's column as late as its sensor. The states themselves are sampled as
     /// the sensor of state `first` is.
     pub(crate) fn new(samples: &[f64], late: &[Lateness], first: usize) -> DelayedSamples {
-        let middle = |moments: Vec<(Lateness, f64)>| moments[moments.len() / 2].0;
+        let middle = |moments: Vec<(Lateness, f64, f64)>| moments[moments.len() / 2].0;
         let mut distinct = vec![middle(late.get(first).copied().unwrap_or_default().moments())];
         let mut place = |own: Lateness| {
             distinct.iter().position(|other| *other == own).unwrap_or_else(|| {
@@ -74,8 +94,8 @@ impl DelayedSamples {
                 distinct.len() - 1
             })
         };
-        let moments =
-            late.iter().map(|own| own.moments().into_iter().map(|(own, part)| (place(own), part)).collect());
+        let mut moment = |(own, part, lags)| Moment { of: place(own), part, lags };
+        let moments = late.iter().map(|own| own.moments().into_iter().map(&mut moment).collect());
         let moments = moments.collect();
         if let [late] = distinct[..] {
             let times = samples.iter().map(|t| late.shown(*t)).collect();
@@ -101,8 +121,8 @@ impl DelayedSamples {
     pub(crate) fn due(&self, measured: impl Fn(usize) -> bool) -> Vec<Vec<Reading>> {
         let mut due = vec![vec![]; self.times.len()];
         for column in (0..self.moments.len()).filter(|&k| measured(k)) {
-            let (middle, _) = self.moments[column][self.moments[column].len() / 2];
-            let of_column = self.at[middle].iter().enumerate();
+            let middle = self.moments[column][self.moments[column].len() / 2];
+            let of_column = self.at[middle.of].iter().enumerate();
             of_column.for_each(|(sample, &at)| due[at].push(Reading { column, sample }));
         }
         due
@@ -131,15 +151,19 @@ impl DelayedSamples {
         let (n, m) = (run.n, run.m);
         let late = (0..n)
             .map(|k| {
-                let moments = self.moments.get(k).filter(|own| own[..] != [(0, 1.0)])?;
+                let moments = self.moments.get(k).filter(|own| !matches!(own[..], [Moment { of: 0, .. }]))?;
                 let samples = self.at[0].len();
-                let mut own =
-                    Delayed { values: vec![(0.0, 0.0); samples], sensitivities: vec![0.0; samples * m] };
-                for &(moment, part) in moments {
-                    for (sample, i) in self.at[moment].iter().take(samples).enumerate() {
+                let mut own = Delayed {
+                    values: vec![(0.0, 0.0); samples],
+                    by_lag: vec![0.0; samples],
+                    sensitivities: vec![0.0; samples * m],
+                };
+                for &Moment { of, part, lags } in moments {
+                    for (sample, i) in self.at[of].iter().take(samples).enumerate() {
                         let (value, rate) = &mut own.values[sample];
                         *value += part * run.states[i * n + k];
                         *rate += part * run.rates[i * n + k];
+                        own.by_lag[sample] -= part * lags * run.rates[i * n + k];
                         let slopes = &run.sensitivities[(i * n + k) * m..][..m];
                         let sums = own.sensitivities[sample * m..][..m].iter_mut();
                         sums.zip(slopes).for_each(|(sum, slope)| *sum += part * slope);
@@ -181,6 +205,8 @@ pub(crate) struct SampledRun {
 pub(crate) struct Delayed {
     /// Value and rate at every sample.
     pub(crate) values: Vec<(f64, f64)>,
+    /// The derivative of each value by the lag of the sensor.
+    pub(crate) by_lag: Vec<f64>,
     /// Derivatives, row-major samples x m.
     pub(crate) sensitivities: Vec<f64>,
 }
@@ -194,6 +220,14 @@ impl SampledRun {
                 let at = sample * self.run.n + state;
                 (self.run.states[at], self.run.rates[at])
             }
+        }
+    }
+
+    /// The derivative of that value by the lag of its sensor.
+    pub(crate) fn by_lag(&self, sample: usize, state: usize) -> f64 {
+        match self.late.get(state) {
+            Some(Some(late)) => late.by_lag[sample],
+            _ => -self.value(sample, state).1,
         }
     }
 
@@ -224,6 +258,26 @@ mod tests {
         assert_eq!(sampled.run.states, [0.0, 0.0, 0.0, 1.0, 2.0, 3.0, 2.0, 4.0, 6.0]);
         assert_eq!(sampled.run.modes.len(), 3);
         assert_eq!([0, 1, 2].map(|k| sampled.value(1, k)), [(0.75, 1.0), (2.0, 2.0), (2.25, 3.0)]);
+    }
+
+    /// What a filter of first order shows of `t^3` when it has settled, `y + y' tau = t^3`, and how that moves with `tau`.
+    #[test]
+    fn a_slow_sensor_shows_the_past() {
+        let late = [0.0, 0.3].map(|lag| Lateness { lag, ..Lateness::default() });
+        let samples = DelayedSamples::new(&[0.0, 1.0, 2.0], &late, 0);
+        let states = samples.times.iter().flat_map(|t| [*t, t.powi(3)]).collect();
+        let rates = samples.times.iter().flat_map(|t| [1.0, 3.0 * t * t]).collect();
+        let run =
+            Trajectory { n: 2, states, rates, modes: vec![1; samples.times.len()], ..Default::default() };
+        let sampled = samples.split(run);
+        for (sample, t) in [0.0_f64, 1.0, 2.0].into_iter().enumerate() {
+            let lag = 0.3_f64;
+            let shown = t.powi(3) - 3.0 * lag * t * t + 6.0 * lag * lag * t - 6.0 * lag.powi(3);
+            assert!((sampled.value(sample, 1).0 - shown).abs() < 1e-12, "{shown}");
+            let moves = -3.0 * t * t + 12.0 * lag * t - 18.0 * lag * lag;
+            assert!((sampled.by_lag(sample, 1) - moves).abs() < 1e-12, "{moves}");
+            assert!((late[1].middle(t) - (t - lag)).abs() < 1e-15);
+        }
     }
 
     /// The mean of `t^5` over the half second before a sample, and the middle of it for the states themselves.

@@ -1,9 +1,10 @@
 //! A run that follows the readings of a record by given gains, with its derivatives: each innovation is a
 //! residual, and moves the state for those after it.
 
+use crate::trajectory::cost::{add_to, by_sensor};
 use crate::trajectory::delayed_samples::{Delayed, DelayedSamples, Reading};
 use crate::trajectory::filter::{Gains, shown_value};
-use crate::trajectory::layout::Segment;
+use crate::trajectory::layout::{Segment, SensorSlots};
 use crate::trajectory::problem::Problem;
 use phisindy_sim::{Observer, Shown};
 
@@ -15,7 +16,7 @@ pub(crate) struct Follower<'p> {
     first: usize,
     due: Vec<Vec<Reading>>,
     /// Where offset, gain, delay and clock of each column stand among the derivatives.
-    slots: Vec<[usize; 4]>,
+    slots: Vec<SensorSlots>,
     /// Columns of the derivatives: those of the run, then numbers of sensors that no rate knows.
     width: usize,
     pub(crate) spare: usize,
@@ -73,6 +74,7 @@ impl Observer for Follower<'_> {
             }
             let Some(read) = &mut self.read[column] else { continue };
             read.values.push((value, rate));
+            read.by_lag.push(-rate);
             read.sensitivities.extend(&row);
             let (predicted, gain) = self.problem.reading(self.record, column, self.x, value);
             let Some(readings) = &self.problem.records[self.record].columns[column] else { continue };
@@ -83,15 +85,9 @@ impl Observer for Follower<'_> {
                 continue;
             }
             row.iter_mut().for_each(|r| *r *= gain);
-            let [offset_at, gain_at, delay_at, clock_at] = self.slots[column];
             let record = self.problem.records[self.record];
             let age = record.time[self.first + own] - record.sensors[column].since;
-            let late = -gain * rate;
-            for (at, by) in [(offset_at, 1.0), (gain_at, value), (delay_at, late), (clock_at, -late * age)] {
-                if at != usize::MAX {
-                    row[at] += by;
-                }
-            }
+            add_to(&mut row, &self.slots[column], by_sensor(1.0, gain, (value, rate, -rate), age));
             for (s, k) in s.chunks_exact_mut(m).zip(gains).filter(|(_, k)| **k != 0.0) {
                 s.iter_mut().zip(&row).for_each(|(s, r)| *s -= k * r);
             }

@@ -11,7 +11,7 @@ use crate::trajectory::problem::{Meaning, Problem};
 use faer::Mat;
 use phisindy_phys::spec::Role;
 use phisindy_phys::unit::Unit;
-use phisindy_phys::{Record, System};
+use phisindy_phys::{Record, SENSOR_PARAMETERS, System};
 use phisindy_signal::standard_deviation;
 use phisindy_sim::{Options, SimError, Trajectory};
 
@@ -23,7 +23,7 @@ pub(crate) struct Solution {
     /// Values of the system's parameters, for each record.
     pub(crate) parameters: Vec<Vec<f64>>,
     /// Offset, gain, delay and clock of each sensor, for each record.
-    pub(crate) sensors: Vec<Vec<[f64; 4]>>,
+    pub(crate) sensors: Vec<Vec<[f64; SENSOR_PARAMETERS]>>,
     /// Start states, for each record, if fitted already.
     pub(crate) starts: Vec<Option<Vec<f64>>>,
     /// Whether its fit was given up: start states need no digits then.
@@ -251,7 +251,7 @@ fn adapted(problem: &Problem<'_>, x: &[f64], record: &Record, index: usize, took
 }
 
 /// Keeps what a record was given of its own.
-fn keep(problem: &Problem<'_>, x: &[f64], parameters: &mut [f64], sensors: &mut [[f64; 4]]) {
+fn keep(problem: &Problem<'_>, x: &[f64], parameters: &mut [f64], sensors: &mut [[f64; SENSOR_PARAMETERS]]) {
     for (k, meaning) in problem.meanings().into_iter().enumerate() {
         match meaning {
             Meaning::Parameter(p, Some(_)) => parameters[p] = x[k],

@@ -12,6 +12,9 @@ use phisindy_signal::{Interpolation, Signal};
 use phisindy_sim::MovingSteps;
 use std::borrow::Cow;
 
+/// How many parameters the sensor of an input has in a run: offset, gain, delay, clock. What acts is nothing that lags.
+pub(crate) const OF_INPUT: usize = 4;
+
 /// The inputs with such sensors, with their columns and slopes in each record.
 pub(crate) struct InputSensors {
     /// Which inputs, in order.
@@ -40,7 +43,7 @@ impl InputSensors {
         let drifts = inputs.iter().map(drifts).collect();
         let undone = |record: &Record, j: usize| {
             let Sensor { delay, clock, since, .. } = sensor(record, j);
-            Lateness { delay: delay.start, clock: clock.start, since, average: 0.0 }
+            Lateness { delay: delay.start, clock: clock.start, since, ..Lateness::default() }
         };
         let undone = records.iter().map(|r| inputs.iter().map(|&j| undone(r, j)).collect()).collect();
         let column = |record: &Record, j: usize| {
@@ -120,8 +123,9 @@ impl InputSensors {
         let of = |q: usize| {
             let (input, signal) = (self.inputs[q], &signals[self.inputs[q]]);
             let later = Signal::new([0.0].into(), vec![-1.0], Interpolation::Hold).ok();
-            let later = later.map(|by| MovingSteps { input, parameter: first + 4 * q + DELAY, by });
-            let drift = || MovingSteps { input, parameter: first + 4 * q + CLOCK, by: age(signal, late[q]) };
+            let later = later.map(|by| MovingSteps { input, parameter: first + OF_INPUT * q + DELAY, by });
+            let drift =
+                || MovingSteps { input, parameter: first + OF_INPUT * q + CLOCK, by: age(signal, late[q]) };
             later.into_iter().chain(self.drifts[q].then(drift))
         };
         (0..self.inputs.len()).filter(held).flat_map(of).collect()

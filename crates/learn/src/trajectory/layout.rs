@@ -3,12 +3,13 @@
 
 use crate::decisions::SEGMENT_SAMPLES;
 use crate::result::quantity::SensorPart;
-use phisindy_phys::{Record, SensorParameter, System};
+use phisindy_phys::{Record, SENSOR_PARAMETERS, SensorParameter, System};
 
-/// Three of the four sensor parameters, in the order of [`SensorPart::ALL`].
+/// Some of the sensor parameters, in the order of [`SensorPart::ALL`].
 pub(crate) const GAIN: usize = SensorPart::Gain as usize;
 pub(crate) const DELAY: usize = SensorPart::Delay as usize;
 pub(crate) const CLOCK: usize = SensorPart::Clock as usize;
+pub(crate) const LAG: usize = SensorPart::Lag as usize;
 
 /// A run of samples with a start state of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,6 +28,12 @@ pub(crate) enum Source {
     Number(f64),
 }
 
+/// Where the numbers of a sensor come from, in the order of [`SensorPart::ALL`].
+pub(crate) type SensorSources = [Source; SENSOR_PARAMETERS];
+
+/// Where the unknowns of a sensor stand among those of a run; `usize::MAX` for a number that is known.
+pub(crate) type SensorSlots = [usize; SENSOR_PARAMETERS];
+
 /// Which unknowns there are, and where they enter each record.
 pub(crate) struct Layout {
     pub(crate) bounds: Vec<(f64, f64)>,
@@ -34,8 +41,8 @@ pub(crate) struct Layout {
     pub(crate) priors: Vec<(usize, f64, f64)>,
     /// For each record, the parameters of the model.
     pub(crate) model: Vec<Vec<Source>>,
-    /// For each record, offset, gain, delay and clock of each state, each output, then each input.
-    pub(crate) sensors: Vec<Vec<[Source; 4]>>,
+    /// For each record, the sensor parameters of each state, each output, then each input.
+    pub(crate) sensors: Vec<Vec<SensorSources>>,
     pub(crate) segments: Vec<Segment>,
 }
 
@@ -80,14 +87,14 @@ impl Layout {
     }
 
     /// The sensors of a record: of its states, its outputs, then its inputs.
-    fn sensors_of(&mut self, system: &System, parameters: &[Source], record: &Record) -> Vec<[Source; 4]> {
+    fn sensors_of(&mut self, system: &System, parameters: &[Source], record: &Record) -> Vec<SensorSources> {
         let n = system.columns();
         let mut of = |s: &SensorParameter, free: bool| match (s.shared, s.within) {
             (Some(p), _) => parameters[p],
             (None, Some(within)) if free => self.unknown(within, s.start, s.sigma),
             _ => Source::Number(s.start),
         };
-        let mut all: Vec<[Source; 4]> = Vec::new();
+        let mut all: Vec<SensorSources> = Vec::new();
         for (k, sensor) in record.sensors[..n].iter().enumerate() {
             all.push(sensor.parameters().map(|s| of(s, record.columns[k].is_some())));
         }

@@ -9,7 +9,8 @@ use crate::trajectory::delayed_samples::{DelayedSamples, Lateness, SampledRun};
 use crate::trajectory::filter::Gains;
 use crate::trajectory::follower::Follower;
 use crate::trajectory::input_sensors::InputSensors;
-use crate::trajectory::layout::{CLOCK, DELAY, Layout, Segment, Source};
+use crate::trajectory::input_sensors::OF_INPUT;
+use crate::trajectory::layout::{CLOCK, DELAY, LAG, Layout, Segment, SensorSources, Source};
 use crate::trajectory::noise::{ColumnNoise, least_noise_of};
 use phisindy_phys::{Record, Sensor, System};
 use phisindy_signal::{Signal, mean_step};
@@ -36,7 +37,7 @@ pub(crate) struct Problem<'a> {
     /// For each record, the parameters of the model.
     pub(crate) model: Vec<Vec<Source>>,
     /// For each record, offset, gain, delay and clock of each state, each output, then each input.
-    pub(crate) sensors: Vec<Vec<[Source; 4]>>,
+    pub(crate) sensors: Vec<Vec<SensorSources>>,
     input_sensors: InputSensors,
     /// By record and column, the first sample that tells of the model, see [`Problem::tells`].
     told_from: Vec<Vec<usize>>,
@@ -289,13 +290,18 @@ impl<'a> Problem<'a> {
     pub(crate) fn lateness(&self, record: usize, column: usize, x: &[f64]) -> Lateness {
         let own = &self.sensors[record][column];
         let Sensor { since, average, .. } = self.records[record].sensors[column];
-        Lateness { delay: Self::value(own[DELAY], x), clock: Self::value(own[CLOCK], x), since, average }
+        let [delay, clock, lag] = [DELAY, CLOCK, LAG].map(|which| Self::value(own[which], x));
+        Lateness { delay, clock, lag, since, average }
     }
 
     /// Where each parameter of a run comes from: those of the model, then those of the inputs' sensors.
     pub(crate) fn sources(&self, record: usize) -> impl Iterator<Item = Source> {
         let n = self.system.columns();
-        let sensors = self.input_sensors.inputs.iter().flat_map(move |j| self.sensors[record][n + j]);
+        let sensors = self
+            .input_sensors
+            .inputs
+            .iter()
+            .flat_map(move |j| self.sensors[record][n + j].into_iter().take(OF_INPUT));
         self.model[record].iter().copied().chain(sensors)
     }
 
@@ -334,8 +340,8 @@ impl<'a> Problem<'a> {
     ) -> Result<Trajectory, SimError> {
         let mut parameters: Vec<f64> = self.sources(record).map(|s| Self::value(s, x)).collect();
         // The signals contain the delays and the drift of the clocks already.
-        let own = parameters.len() - 4 * self.input_sensors.inputs.len();
-        parameters[own..].chunks_exact_mut(4).for_each(|of| (of[DELAY], of[CLOCK]) = (0.0, 0.0));
+        let own = parameters.len() - OF_INPUT * self.input_sensors.inputs.len();
+        parameters[own..].chunks_exact_mut(OF_INPUT).for_each(|of| (of[DELAY], of[CLOCK]) = (0.0, 0.0));
         let clocks = self.input_clocks(record, x);
         let inputs = self.input_sensors.signals(self.records[record], record, &clocks);
         let drive = Drive { inputs: &inputs, parameters: &parameters };

@@ -76,6 +76,7 @@ pub const BUILT_IN: &[(&str, &str)] = &[
     ("quintic-stiffness", include_str!("../../laws/quintic-stiffness.ron")),
     ("sensor-delay", include_str!("../../laws/sensor-delay.ron")),
     ("sensor-gain", include_str!("../../laws/sensor-gain.ron")),
+    ("sensor-lag", include_str!("../../laws/sensor-lag.ron")),
     ("sensor-offset", include_str!("../../laws/sensor-offset.ron")),
     ("stiffness", include_str!("../../laws/stiffness.ron")),
     ("stribeck", include_str!("../../laws/stribeck.ron")),

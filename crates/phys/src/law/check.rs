@@ -226,7 +226,7 @@ impl Reader<'_> {
             self.wrong::<()>(at, message, "", help);
         }
         for (field, allowed) in
-            [("sensor", &["offset", "gain", "delay"][..]), ("input", &["gain", "delay"][..])]
+            [("sensor", &["offset", "gain", "delay", "lag"][..]), ("input", &["gain", "delay"][..])]
         {
             let Some(text) = fields.get(field).and_then(|n| self.words(n)) else { continue };
             if !allowed.contains(&text.value.as_str()) {

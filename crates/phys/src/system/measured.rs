@@ -41,7 +41,7 @@ impl Measured {
         let Measured { time, values, before } = self;
         let value = |x: f64| (x - sensor.offset.start) / sensor.gain.start;
         let seen = |values: Vec<f64>| values.into_iter().map(value).collect();
-        let late = (sensor.delay.start, sensor.clock.start) != (0.0, 0.0);
+        let late = (sensor.lateness(), sensor.clock.start) != (0.0, 0.0);
         let when = |times: &[f64]| times.iter().map(|&t| sensor.shown(t)).collect::<Vec<f64>>();
         let (time, lead) = if late { (when(&time).into(), when(&before.time)) } else { (time, before.time) };
         Measured { time, values: seen(values), before: Samples { time: lead, values: seen(before.values) } }

@@ -25,7 +25,7 @@ impl SensorParameter {
 }
 
 /// The reading of a sensor: `gain * quantity(t - delay + clock*(t - since)) + offset`, of a mean over the time `average`
-/// before that.
+/// before that, which is followed with a lag of first order.
 ///
 /// ```
 /// use phisindy_phys::{Sensor, SensorParameter};
@@ -45,6 +45,8 @@ pub struct Sensor {
     pub delay: SensorParameter,
     /// By which part of itself the true time that passes is longer than that of the sensor's clock.
     pub clock: SensorParameter,
+    /// The time constant with which it follows (s).
+    pub lag: SensorParameter,
     /// Since when its clock drifts: the first time of its file (s).
     pub since: f64,
     /// The step of the column (SI), if it is known.
@@ -56,14 +58,14 @@ pub struct Sensor {
 }
 
 impl Sensor {
-    /// What may be to be found: offset, gain, delay, clock.
-    pub fn parameters(&self) -> [&SensorParameter; 4] {
-        [&self.offset, &self.gain, &self.delay, &self.clock]
+    /// What may be to be found: offset, gain, delay, clock, lag.
+    pub fn parameters(&self) -> [&SensorParameter; SENSOR_PARAMETERS] {
+        [&self.offset, &self.gain, &self.delay, &self.clock, &self.lag]
     }
 
     /// The same, to be changed.
-    pub fn parameters_mut(&mut self) -> [&mut SensorParameter; 4] {
-        [&mut self.offset, &mut self.gain, &mut self.delay, &mut self.clock]
+    pub fn parameters_mut(&mut self) -> [&mut SensorParameter; SENSOR_PARAMETERS] {
+        [&mut self.offset, &mut self.gain, &mut self.delay, &mut self.clock, &mut self.lag]
     }
 
     /// Offset and gain as far as they are known before a fit: a zero that is to be found is taken for none, for the
@@ -93,8 +95,8 @@ impl Sensor {
         let known = |p: &SensorParameter, perfect: f64| if p.within.is_none() { p.start } else { perfect };
         let (offset, gain, delay) =
             (known(&self.offset, 0.0), known(&self.gain, 1.0), known(&self.delay, 0.0));
-        let clock = known(&self.clock, 0.0);
-        let late = if (delay, clock, self.average) == (0.0, 0.0, 0.0) {
+        let (clock, lag) = (known(&self.clock, 0.0), known(&self.lag, 0.0));
+        let late = if (delay, clock, self.average, lag) == (0.0, 0.0, 0.0, 0.0) {
             values
         } else {
             let signal = Signal::new(time.clone(), values, kind)?;
@@ -103,17 +105,23 @@ impl Sensor {
                 let parts = (0..MEAN_OF).map(|k| (k as f64 + 0.5) / MEAN_OF as f64 * self.average);
                 parts.map(|back| signal.value(t - back)).sum::<f64>() / MEAN_OF as f64
             };
-            time.iter()
-                .map(shown)
-                .map(|t| if self.average > 0.0 { mean(t) } else { signal.value(t) })
-                .collect()
+            let moment = |t: f64| if self.average > 0.0 { mean(t) } else { signal.value(t) };
+            let followed =
+                |t: f64| LAG_MOMENTS.iter().map(|(back, part)| part * moment(t - back * lag)).sum();
+            time.iter().map(shown).map(|t| if lag > 0.0 { followed(t) } else { moment(t) }).collect()
         };
         Ok(if (offset, gain) == (0.0, 1.0) { late } else { late.iter().map(|x| gain * x + offset).collect() })
     }
 
     /// When what it reads at `t` was, each parameter at its start.
     pub(crate) fn shown(&self, t: f64) -> f64 {
-        t - self.delay.start + self.clock.start * (t - self.since) - 0.5 * self.average
+        t - self.lateness() + self.clock.start * (t - self.since)
+    }
+
+    /// By how much it is late in the mean, each parameter at its start: a mean over a time shows the middle of it, and a lag
+    /// is as late as its time constant.
+    pub fn lateness(&self) -> f64 {
+        self.delay.start + 0.5 * self.average + self.lag.start
     }
 
     /// The quantity at the sample times, from the reading, each parameter at its start. Beyond the ends a
@@ -127,9 +135,8 @@ impl Sensor {
         column: Vec<f64>,
         kind: Interpolation,
     ) -> Result<Vec<f64>, SignalError> {
-        let [offset, gain, delay, clock] = self.parameters().map(|p| p.start);
-        // A mean shows the middle of its time.
-        let delay = delay + 0.5 * self.average;
+        let [offset, gain, _, clock, _] = self.parameters().map(|p| p.start);
+        let delay = self.lateness();
         let column = if (delay, clock) == (0.0, 0.0) {
             column
         } else {
@@ -148,11 +155,25 @@ impl Sensor {
 /// Parts of the time of a mean, each as it is in its middle.
 const MEAN_OF: usize = 32;
 
+/// Which moments a sensor with a lag of first order shows: how far each is back, in time constants, and its part. Its
+/// reading is the mean of the past with the weight `exp(-s)` at `s` time constants back, here by the rule of Gauss and
+/// Laguerre with four nodes (exact for polynomials of degree 7, to 5e-5 of a vibration whose radian is two time constants;
+/// NIST Digital Library of Mathematical Functions, table 3.5.6). The mean moment stands in the middle and has no part.
+pub const LAG_MOMENTS: [(f64, f64); 5] = [
+    (0.322_547_689_619_392_3, 0.603_154_104_341_633_6),
+    (1.745_761_101_158_346_6, 0.357_418_692_437_799_7),
+    (1.0, 0.0),
+    (4.536_620_296_921_128, 0.038_887_908_515_005_38),
+    (9.395_070_912_301_133, 0.000_539_294_705_561_327_4),
+];
+
+/// How many numbers of a sensor may be to be found.
+pub const SENSOR_PARAMETERS: usize = 5;
+
 impl Default for Sensor {
     fn default() -> Self {
         let fixed = SensorParameter::fixed;
-        let clock = fixed(0.0);
-        let (offset, gain, delay) = (fixed(0.0), fixed(1.0), fixed(0.0));
-        Sensor { offset, gain, delay, clock, since: 0.0, quantum: None, average: 0.0, follows: None }
+        let [offset, gain, delay, clock, lag] = [0.0, 1.0, 0.0, 0.0, 0.0].map(fixed);
+        Sensor { offset, gain, delay, clock, lag, since: 0.0, quantum: None, average: 0.0, follows: None }
     }
 }

@@ -356,6 +356,8 @@ pub struct SensorSpec {
     pub delay: Option<SensorValue>,
     /// By which part of itself a second of the sensor's clock is too short.
     pub clock: Option<SensorValue>,
+    /// The time constant with which it follows, in seconds unless a unit is given.
+    pub lag: Option<SensorValue>,
     /// The step of the column, and the unit that is written beside it; None: seen from the data.
     pub quantum: Option<(Number, Option<Text>)>,
     /// The unit of a column of counts: `rev/4096`.

@@ -454,6 +454,7 @@ impl<'s> Survey<'s> {
                 ("delay", second.clone(), &sensor.delay),
                 ("gain", plain.clone(), &sensor.gain),
                 ("clock", plain.clone(), &sensor.clock),
+                ("lag", second.clone(), &sensor.lag),
             ];
             for (what, due, value) in values {
                 let what = format!("the {what} of `{}`", name.value);

@@ -73,12 +73,13 @@ fn quantities(list: &[Quantity]) -> String {
 
 /// The reading of a sensor as a formula.
 fn reading(column: &str, sensor: &Sensor) -> String {
-    let [offset, gain, delay, clock] = sensor.parameters().map(|p| p.start);
+    let [offset, gain, delay, clock, lag] = sensor.parameters().map(|p| p.start);
     let column = if sensor.average > 0.0 {
         format!("mean over {:?} s of {column}", sensor.average)
     } else {
         column.to_owned()
     };
+    let column = if lag > 0.0 { format!("lag of {lag:?} s after {column}") } else { column };
     if clock != 0.0 {
         let since = sensor.since;
         return format!("{offset:?} + {gain:?}*{column}(t - {delay:?} s + {clock:?}*(t - {since:?} s))");

@@ -183,10 +183,9 @@ fn record<'a>(r: &'a RecordNote, states: &'a [Quantity]) -> RecordOut<'a> {
 }
 
 fn sensor(s: &Sensor) -> SensorOut {
-    let [offset, gain, delay, clock] = s.parameters().map(|p| p.start);
+    let [offset, gain, _, clock, _] = s.parameters().map(|p| p.start);
     let since = (clock != 0.0).then_some(s.since);
-    // A mean shows the middle of its time.
-    let delay = delay + 0.5 * s.average;
+    let delay = s.lateness();
     SensorOut { clock: since.map(|_| clock), delay, gain, offset, since }
 }
 

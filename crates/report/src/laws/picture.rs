@@ -66,6 +66,7 @@ fn curve(entry: &LawEntry, sketch: &Sketch) -> Result<Vec<(f64, f64)>, String> {
         Some(_) if acts.is_some() => acts.as_deref().unwrap_or_default(),
         Some("gain") => "gain*x",
         Some("offset") => "x + offset",
+        Some("lag") => "sin(t - atan(tau))/sqrt(1 + tau^2)",
         Some(_) => "sin(t - tau)",
         None => law.force.as_deref().or(law.push.as_deref()).unwrap_or("0"),
     };

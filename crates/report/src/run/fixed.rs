@@ -54,7 +54,7 @@ pub(crate) fn fixed_values(input: Input<'_>, found: &Identified) -> Vec<FixedVal
         all.extend(of_records(name, input, &value));
     }
     for (k, (column, own)) in system.quantities().enumerate() {
-        for (part, idle) in SensorPart::ALL.into_iter().zip([0.0, 1.0, 0.0, 0.0]) {
+        for (part, idle) in SensorPart::ALL.into_iter().zip([0.0, 1.0, 0.0, 0.0, 0.0]) {
             let (name, unit) = (format!("{column}.{}", part.name()), part.unit(own));
             let moved = |r: usize| {
                 found.parameters.iter().any(|p| p.id.sensor() == Some((k, part)) && p.id.holds_in(r))

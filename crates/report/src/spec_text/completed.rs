@@ -80,6 +80,7 @@ fn searched<'a>(data: &'a DataSpec, column: &str, part: SensorPart) -> Option<&'
         SensorPart::Gain => &sensor.gain,
         SensorPart::Delay => &sensor.delay,
         SensorPart::Clock => &sensor.clock,
+        SensorPart::Lag => &sensor.lag,
     };
     match value {
         Some(SensorValue::Find(find)) => Some(find),

@@ -112,8 +112,8 @@ fn warnings() {
             "x is read late, which the spec does not say: x_delay was found beside the rest (a delay of it is 78 standard errors from none); if it is known, state it in `sensors`",
         ),
         (
-            Warning::Late { column: "x".to_owned(), by: "x_cutoff".to_owned(), delay: false, errors: 7.8 },
-            "x is read through a low-pass of first order, which the spec does not say: x_cutoff was found beside the rest (a delay of it is 8 standard errors from none); if it is known, state it in `sensors`",
+            Warning::Late { column: "x".to_owned(), by: "x_lag".to_owned(), delay: false, errors: 7.8 },
+            "x is read with a lag of first order, which the spec does not say: x_lag was found beside the rest (a delay of it is 8 standard errors from none); if it is known, state it in `sensors`",
         ),
         (
             Warning::Coloured { independent: 0.123 },

@@ -4,7 +4,7 @@
 use super::checker::Checker;
 use crate::system::constants::Value;
 use crate::system::equations::System;
-use crate::system::sensor::{Sensor, SensorParameter};
+use crate::system::sensor::{SENSOR_PARAMETERS, Sensor, SensorParameter};
 use crate::text::spec::{DataSpec, DeriveSpec, Number, SensorSpec, SensorValue, Spec, Text};
 use crate::units::unit::Unit;
 use phisindy_signal::{Differentiator, Interpolation};
@@ -64,8 +64,8 @@ impl Checker {
             if let Some((time, unit)) = &sensor.average {
                 all[index].average = self.average(name, time, unit.as_ref(), index < system.columns());
             }
-            let slots = [(&sensor.offset, 0), (&sensor.gain, 1), (&sensor.delay, 2), (&sensor.clock, 3)];
-            for (value, which) in slots {
+            let slots = [&sensor.offset, &sensor.gain, &sensor.delay, &sensor.clock, &sensor.lag];
+            for (which, value) in slots.into_iter().enumerate() {
                 let Some(value) = value else { continue };
                 let parameter = match value {
                     SensorValue::Number(x) => {
@@ -94,6 +94,9 @@ impl Checker {
                         }
                     }
                 };
+                if which + 1 == SENSOR_PARAMETERS {
+                    self.lag(name, &parameter, index < system.columns());
+                }
                 *all[index].parameters_mut()[which] = parameter;
             }
         }
@@ -125,6 +128,23 @@ impl Checker {
             );
         }
         self.si(time, theirs.factor)
+    }
+
+    /// A sensor does not follow what is to come, and what acts on the rig does not lag.
+    fn lag(&mut self, name: &Text, lag: &SensorParameter, is_compared: bool) {
+        let span = name.span;
+        if lag.within.map_or(lag.start, |within| within.0) < 0.0 {
+            let message = format!("`{}` would follow what is to come", name.value);
+            self.error(message, span, "")
+                .help
+                .push("a lag is a time from 0 on; what is early has a negative `delay`".into());
+        }
+        if !is_compared {
+            let message = format!("`{}` is an input: what acts on the rig does not lag", name.value);
+            self.error(message, span, "").help.push(
+                "write what acts as a state that follows the input: `\"z\": \"(u - z)/tau\"`; a short lag is a `delay`".into(),
+            );
+        }
     }
 
     /// A sensor parameter that is a constant of the case.

@@ -110,10 +110,21 @@ impl Reader<'_> {
         let gain = self.optional(&fields, "gain", Self::sensor_value);
         let delay = self.optional(&fields, "delay", Self::sensor_value);
         let clock = self.optional(&fields, "clock", Self::sensor_value);
+        let lag = self.optional(&fields, "lag", Self::sensor_value);
         let average = self.optional(&fields, "average", Self::quantity);
         let lowpass = self.optional(&fields, "lowpass", Self::filter);
         let highpass = self.optional(&fields, "highpass", Self::filter);
-        Some(SensorSpec { offset, gain, delay, clock, average, lowpass, highpass, ..self.channel(&fields) })
+        Some(SensorSpec {
+            offset,
+            gain,
+            delay,
+            clock,
+            lag,
+            average,
+            lowpass,
+            highpass,
+            ..self.channel(&fields)
+        })
     }
 
     /// `(order: 2, cutoff: (500.0, "Hz"))`
