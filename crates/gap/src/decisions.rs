@@ -254,6 +254,8 @@ decisions! {
     FAR_ABOVE: f64 = 10.0, "factor", Basis::Judgement("a law that is right does not end a decade above the record");
     /// An elastic contact whose force stays below this never slips.
     SLIPS: f64 = 0.5, "of the level", BLIND;
+    /// Models whose residuals differ by less in all records together are one there.
+    SAME_MOTION: f64 = 0.1, "chi square", Basis::Derived("it changes the odds of two models by a factor of 1.4 at most: exp(sqrt(0.1))");
     /// Forces that differ by less are one: a law's and another one, a damper's at slow and at quick motion.
     SAME_FORCE: f64 = 0.05, "of the force", Basis::Convention("forces that differ by less than a twentieth are one");
     // The end.

@@ -6,7 +6,7 @@ mod probability;
 use crate::alternative_constant::alternative_constant;
 use crate::changed_constants::ChangedConstants;
 use crate::data_mistakes::data_mistakes;
-use crate::decisions::{MOST_OF_RESIDUAL, REPEATS, SAME_FREQUENCY, SUBSTANTIAL, WORTH};
+use crate::decisions::{MOST_OF_RESIDUAL, REPEATS, SAME_FREQUENCY, SAME_MOTION, SUBSTANTIAL, WORTH};
 use crate::drive::Drive;
 use crate::drive_frequency::drive_frequency;
 use crate::formula::{DISCOVERED, expansion};
@@ -31,6 +31,7 @@ use crate::spec_mistakes::spec_mistake;
 use phisindy_learn::{Effort, FoundParameter, Identified, at_bounds, free_run_horizons, sensitive_starts};
 use phisindy_phys::spec::Role;
 use phisindy_signal::Interpolation;
+pub(crate) use probability::is_sure;
 use probability::{probability_beside, rivals_of_the_answer};
 use rayon::prelude::*;
 
@@ -138,7 +139,9 @@ impl<'s, 'a> Ending<'s, 'a> {
         self.warnings.extend(input_errors(&self.last).into_iter().map(Warning::InputError));
         self.warnings.extend(at_bounds(&self.last.cal.parameters).into_iter().map(Warning::Fit));
         self.warnings.extend(sensitive_starts(&self.last.cal.records).into_iter().map(Warning::Fit));
-        self.compare_near_rivals();
+        if self.last.score.explains() {
+            self.compare_near_rivals();
+        }
         let steps: Vec<Step> = (0..self.last.model.effects.len()).map(|k| self.step(k)).collect();
         // No result claims more than its own probability, and a formula no more than that of a force without one.
         let unlikely = |s: &Step| s.probability.is_some() && !s.is_sure();
@@ -486,24 +489,36 @@ impl<'s, 'a> Ending<'s, 'a> {
     }
 
     /// Fits the near rivals of the last round as hard as the final model, with the same noise. The fits of a race are rougher.
-    /// Drops those that evidence rules out, and those whose numbers the records do not determine: they would be no answer.
+    /// Drops those that evidence rules out, and those whose numbers the records do not determine: they would be no answer. Of
+    /// rivals that no record tells apart the best one stays.
     fn compare_near_rivals(&mut self) {
         let Ending { last, noise, rounds, candidates, .. } = self;
-        let Some(round) = rounds.iter_mut().max_by_key(|round| round.before) else { return };
-        if !last.score.explains() || round.before >= last.model.effects.len() {
-            return;
-        }
+        let kept = rounds.iter_mut().filter(|round| round.before < last.model.effects.len());
+        let Some(round) = kept.max_by_key(|round| round.before) else { return };
         let compared = |mut rival: Rival| {
             let Some(model) = rival.model.as_deref().filter(|_| rival.delta_bic < WORTH) else {
-                return Some(rival);
+                return Some((rival, None));
             };
-            let Ok(fitted) = Fitted::new(model.clone(), noise, Effort::Thorough) else { return Some(rival) };
+            let Ok(fitted) = Fitted::new(model.clone(), noise, Effort::Thorough) else {
+                return Some((rival, None));
+            };
             let by = Measure::of([&fitted.score, &last.score], *candidates);
             rival.delta_bic = by.criterion(&fitted.score) - by.criterion(&last.score);
+            rival.same = last.apart(&fitted, noise) < SAME_MOTION;
             let with_errors = with_errors(fitted, noise).ok()?;
-            vetoed(&with_errors).is_empty().then_some(rival)
+            vetoed(&with_errors).is_empty().then_some((rival, Some(with_errors)))
         };
-        round.rivals = std::mem::take(&mut round.rivals).into_par_iter().filter_map(compared).collect();
+        let rivals = std::mem::take(&mut round.rivals).into_par_iter();
+        let mut all: Vec<(Rival, Option<Fitted>)> = rivals.filter_map(compared).collect();
+        all.sort_by(|a, b| a.0.delta_bic.total_cmp(&b.0.delta_bic));
+        let mut kept: Vec<Fitted> = vec![];
+        for (rival, fitted) in all {
+            let again = |f: &Fitted| kept.iter().any(|k| k.apart(f, noise) < SAME_MOTION);
+            if rival.same || !fitted.as_ref().is_some_and(again) {
+                round.rivals.push(rival);
+                kept.extend(fitted);
+            }
+        }
     }
 
     /// The report of the `k`-th effect.
@@ -534,7 +549,7 @@ impl<'s, 'a> Ending<'s, 'a> {
                 .last
                 .score
                 .explains()
-                .then(|| probability_beside(rivals.iter().map(|r| r.delta_bic))),
+                .then(|| probability_beside(rivals.iter().filter(|r| !r.same).map(|r| r.delta_bic))),
             rivals,
             vetoed: round.map_or(vec![], |r| r.vetoed.clone()),
         }

@@ -1,4 +1,4 @@
-//! Causes of a gap that no force law explains: a tone, a drift, noise of the measured inputs.
+//! Causes of a gap that no force law explains: a tone, a drift, a bent scale, noise of the measured inputs.
 
 use crate::decisions::{
     EXPLAINED, INPUT_NOISE_BLOCK, INPUT_NOISE_DRAWS, INPUT_NOISE_PART, MOST_OF_RESIDUAL, REPEATS,
@@ -6,6 +6,7 @@ use crate::decisions::{
 use crate::drive::Drive;
 use crate::model::{Fitted, TrialModel};
 use crate::result::{Cause, InputNoise, Named};
+use crate::sensor_linearity::bent_columns;
 use crate::whiteness::{lines, mean_step, share};
 use phisindy_learn::{Effort, noisier};
 use phisindy_phys::Record;
@@ -41,6 +42,7 @@ pub(crate) fn causes(base: &Fitted, last: &Fitted) -> Vec<Cause> {
             told.extend(tone(mean_step(&time), &residual, drive.as_mut(), &of));
         }
     }
+    told.extend(bent_columns(last));
     told
 }
 

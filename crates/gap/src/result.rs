@@ -110,6 +110,8 @@ pub struct Rival {
     pub delta_bic: f64,
     /// How much higher its criterion is than that of the final model.
     pub behind: f64,
+    /// Whether it moves as the final model does: no record tells the two apart.
+    pub same: bool,
     /// The spec with all effects of this model in it, from the numbers of its fit on; `None` where it was not written.
     pub completed: Option<String>,
     /// The model, until it is written.

@@ -3,12 +3,13 @@
 //! range.
 
 use crate::decisions::{SAME_GAP, SENSOR_LINEARITY};
+use crate::ending::is_sure;
 use crate::model::{Fitted, TrialModel, current};
 use crate::place::Effect;
-use crate::result::{Named, PlacedLaw, SensorNonlinearity};
+use crate::result::{Cause, Named, PlacedLaw, SensorNonlinearity};
 use phisindy_learn::Effort;
 use phisindy_phys::spec::Role;
-use phisindy_signal::standard_deviation;
+use phisindy_signal::{effective_samples, standard_deviation};
 use std::sync::Arc;
 
 /// The first effect of a model, by index, that a bent scale of the sensors would replace: without it the
@@ -37,24 +38,7 @@ fn straightened(of: &Fitted) -> Option<(TrialModel, Named, f64)> {
     let mut model = of.settled();
     let mut worst: Option<(f64, Named)> = None;
     for (state, (name, _)) in of.model.system.quantities().take(of.model.system.columns()).enumerate() {
-        // One sensor reads the column in all records: its bend is found on the Fit records.
-        let (mut normal, mut right) = ([[0.0; 2]; 2], [0.0; 2]);
-        let records = || of.model.records.iter().zip(&of.cal.records);
-        for (record, fit) in records().filter(|(r, _)| r.role == Role::Fit) {
-            let Some((_, column)) = record.own_column(state) else { continue };
-            for (powers, e) in bends(&column).into_iter().zip(fit.own_residual(state).iter()) {
-                for i in 0..2 {
-                    right[i] += powers[i] * e;
-                    (0..2).for_each(|j| normal[i][j] += powers[i] * powers[j]);
-                }
-            }
-        }
-        let determinant = normal[0][0] * normal[1][1] - normal[0][1] * normal[1][0];
-        if determinant <= 0.0 {
-            continue;
-        }
-        let a = (right[0] * normal[1][1] - right[1] * normal[0][1]) / determinant;
-        let b = (right[1] * normal[0][0] - right[0] * normal[1][0]) / determinant;
+        let Some(Bend { of: [a, b], .. }) = Bend::new(of, state) else { continue };
         for (r, record) in of.model.records.iter().enumerate() {
             let Some(column) = &record.columns[state] else { continue };
             let off_line: Vec<f64> = bends(column).iter().map(|p| a * p[0] + b * p[1]).collect();
@@ -77,6 +61,53 @@ fn straightened(of: &Fitted) -> Option<(TrialModel, Named, f64)> {
     }
     let (bend, named) = worst?;
     Some((model, named, bend))
+}
+
+/// The parabola and the cubic in a column that its residual holds.
+struct Bend {
+    of: [f64; 2],
+    /// The part of the residual's power that they are.
+    share: f64,
+    /// By how much they lower the criterion.
+    gain: f64,
+}
+
+impl Bend {
+    /// One sensor reads the column in all records: its bend is found on the Fit records. `None` where nothing bends.
+    fn new(of: &Fitted, state: usize) -> Option<Bend> {
+        let (mut normal, mut right, mut power) = ([[0.0; 2]; 2], [0.0; 2], 0.0);
+        let mut independent = 0.0;
+        let records = of.model.records.iter().zip(&of.cal.records);
+        for (record, fit) in records.filter(|(r, _)| r.role == Role::Fit) {
+            let Some((_, column)) = record.own_column(state) else { continue };
+            let residual = fit.own_residual(state);
+            independent += effective_samples(&residual);
+            for (powers, e) in bends(&column).into_iter().zip(residual.iter()) {
+                power += e * e;
+                for i in 0..2 {
+                    right[i] += powers[i] * e;
+                    (0..2).for_each(|j| normal[i][j] += powers[i] * powers[j]);
+                }
+            }
+        }
+        let determinant = normal[0][0] * normal[1][1] - normal[0][1] * normal[1][0];
+        if determinant <= 0.0 {
+            return None;
+        }
+        let a = (right[0] * normal[1][1] - right[1] * normal[0][1]) / determinant;
+        let b = (right[1] * normal[0][0] - right[0] * normal[1][0]) / determinant;
+        let share = (a * right[0] + b * right[1]) / power;
+        Some(Bend { of: [a, b], share, gain: -independent * (1.0 - share).ln() - 2.0 * independent.ln() })
+    }
+}
+
+/// The columns whose residual is sure to bend with them: noise does not know the motion.
+pub(crate) fn bent_columns(of: &Fitted) -> impl Iterator<Item = Cause> {
+    let columns = of.model.system.quantities().take(of.model.system.columns()).enumerate();
+    columns.filter_map(|(state, (name, _))| {
+        let bend = Bend::new(of, state).filter(|bend| is_sure(bend.gain, [0.0].into_iter()))?;
+        Some(Cause::Bend { column: name.to_owned(), share: bend.share })
+    })
 }
 
 /// The square and the cube of a column about its mean, each without the straight line in the column that is
@@ -109,6 +140,8 @@ mod tests {
                 data: [ Synthetic(truth: {{ {truth} }}, start: {{ "x": 1.0, "v": 0.0 }}, duration: 30.0, step: 0.03, noise: Additive(0.002), seed: 1, measure: ["x"]) ])"#
             ))
         };
+        let (plain, noise) = of("");
+        assert_eq!(bent_columns(&with_effects(&plain, &[], &noise)).count(), 0);
         let spring = include_str!("../../phys/laws/quadratic-stiffness.ron");
         let at = |model: &TrialModel, noise: &[Vec<f64>], start: f64| {
             let effect = effect(model, "quadratic-stiffness", spring, "v", &[start]);
@@ -119,6 +152,7 @@ mod tests {
             let column = Arc::make_mut(records)[0].columns[0].as_mut().expect("a column");
             column.iter_mut().for_each(|x| *x += 0.004 * *x * *x);
         }
+        assert_eq!(bent_columns(&with_effects(&straight, &[], &noise)).count(), 1);
         let found =
             sensor_nonlinearity(&at(&straight, &noise, 0.01), &noise).map(|(k, curve)| (k, curve.bend));
         assert!(found.is_some_and(|(k, bend)| k == 0 && bend > 5e-4 && bend < SENSOR_LINEARITY), "{found:?}");

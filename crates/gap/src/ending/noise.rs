@@ -6,19 +6,22 @@ use crate::decisions::{CHANCE, WORTH};
 use crate::hum::evidence_of_hum;
 use crate::model::{Fitted, Measure, TrialModel, current, measured};
 use crate::other_causes::causes;
+use crate::place::Effect;
 use crate::result::{GapError, Status, Warning};
+use crate::search::refitted;
+use crate::sensor_linearity::bent_columns;
 use phisindy_learn::{Effort, Identified, Verdict, reads_outputs};
 use phisindy_phys::spec::Role;
 use phisindy_signal::effective_samples;
 
 impl Ending<'_, '_> {
     /// The fit with a random force, where no force is left, neither in the Fit records nor in all records together, and noise
-    /// has one size in all of them.
+    /// has one size in all of them and does not know the motion.
     fn without_force(&self, of: &Fitted) -> Option<Identified> {
         let needs_none = |found: &Identified| found.verdict == Verdict::Identified;
         let (model, observer) = (&of.model, &self.search.observer);
         let validates = model.records.iter().any(|r| r.role == Role::Validate);
-        if validates && !self.is_of_one_size(of) {
+        if validates && !self.is_of_one_size(of) || bent_columns(of).next().is_some() {
             return None;
         }
         let found = self.with_random_force(of).filter(needs_none)?;
@@ -53,14 +56,22 @@ impl Ending<'_, '_> {
         if let Some(changed) = self.changed_constants_instead(&searched[n])? {
             return Ok(Some((Status::Explained, changed)));
         }
-        let Some((n, found)) = self.without_force_or_hum(&searched, n) else { return Ok(None) };
-        let before = (self.last.clone(), std::mem::replace(&mut self.path, searched));
-        self.keep(n)?;
+        let way = searched[..=n].to_vec();
+        let Some((less, found)) = self.without_force_or_hum(&way) else { return Ok(None) };
+        let whole = way[n].model.clone();
+        let dropped = less.is_some();
+        let before = (self.last.clone(), std::mem::replace(&mut self.path, less.unwrap_or(way)));
+        self.keep(self.path.len() - 1)?;
         found.iter().for_each(|found| self.take_numbers(found));
         if self.is_doubted() {
             (self.last, self.path) = before;
             return Ok(None);
         }
+        if dropped {
+            self.forget_forces_of_time(&whole);
+        }
+        self.compare_near_rivals();
+        let n = self.last.model.effects.len();
         let status = match n {
             0 => Status::NothingMissing,
             _ if (0..n).all(|k| self.step(k).is_sure()) => Status::Explained,
@@ -69,18 +80,49 @@ impl Ending<'_, '_> {
         Ok(Some((status, n)))
     }
 
-    /// The number of effects beside which no force is left: `n`, or less by the forces of time at the end. With it comes the
-    /// fit that shows it; hum needs none.
-    fn without_force_or_hum(&self, searched: &[Fitted], n: usize) -> Option<(usize, Option<Identified>)> {
-        if n == 0 && !self.nothing_is_sure() {
+    /// The way to a model beside which no force is left, where it is another one than `way`: that without forces of time. With
+    /// it comes the fit that shows it; hum needs none.
+    fn without_force_or_hum(&self, way: &[Fitted]) -> Option<(Option<Vec<Fitted>>, Option<Identified>)> {
+        let whole = way.last()?;
+        if whole.model.effects.is_empty() && !self.nothing_is_sure() {
             return None;
         }
-        let less = before_forces_of_time(&searched[n].model);
-        let judged = |n: usize| Some((n, Some(self.without_force(&searched[n])?)));
-        let found = if less < n && looks_for_force(&searched[n].model) { judged(less) } else { None };
-        let found = found.or_else(|| judged(n))?;
-        let hum = less < found.0 && self.is_hum(&searched[less], &searched[n]) == Some(true);
-        Some(if hum { (less, None) } else { found })
+        let less = self.without_forces_of_time(way);
+        let rest = less.as_ref().and_then(|less| less.last());
+        let alone =
+            rest.filter(|rest| looks_for_force(&rest.model)).and_then(|rest| self.without_force(rest));
+        if alone.is_some() {
+            return Some((less, alone));
+        }
+        let found = self.without_force(whole)?;
+        let hum = rest.is_some_and(|rest| self.is_hum(rest, whole) == Some(true));
+        Some(if hum { (less, None) } else { (None, Some(found)) })
+    }
+
+    /// The models on the way to the last one of `way` without its forces of time; `None` if it has none, or a fit fails.
+    fn without_forces_of_time(&self, way: &[Fitted]) -> Option<Vec<Fitted>> {
+        let last = way.last()?;
+        let is_of_time = |e: &Effect| e.entry.law.is_of_time();
+        let first = last.model.effects.iter().position(|a| is_of_time(&a.effect))?;
+        let rest: Vec<Effect> = current(last).into_iter().filter(|e| !is_of_time(e)).collect();
+        let fitted = |k: usize| {
+            let model = last.model.without_effects().with_all(&rest[..k]).ok()?;
+            refitted(model, last, &self.noise)
+        };
+        way[..=first].iter().cloned().map(Some).chain((first + 1..=rest.len()).map(fitted)).collect()
+    }
+
+    /// The rounds after the forces of time were taken from this model: those that added them say nothing of what is left.
+    fn forget_forces_of_time(&mut self, whole: &TrialModel) {
+        let of_time = |k: &usize| whole.effects[*k].effect.entry.law.is_of_time();
+        let mut ends: Vec<usize> = self.rounds.iter().map(|r| r.before).collect();
+        ends.push(whole.effects.len());
+        for round in &mut self.rounds {
+            let end = ends.iter().copied().filter(|end| *end > round.before).min().unwrap_or(round.before);
+            let gone = round.before < end && (round.before..end).all(|k| of_time(&k));
+            let earlier = (0..round.before.min(whole.effects.len())).filter(of_time).count();
+            round.before = if gone { usize::MAX } else { round.before - earlier };
+        }
     }
 
     /// Whether hum describes the records better than forces of time do, or these better than hum; `None` where the records do
@@ -107,26 +149,30 @@ impl Ending<'_, '_> {
         }
     }
 
-    /// Drops forces of time at the end of the model where they are hum: no force is left without them, or tones in the sensors
-    /// describe the records better. Returns the status of what remains.
+    /// Drops the forces of time where they are hum: no force is left without them, or tones in the sensors describe the records
+    /// better. Returns the status of what remains.
     pub(super) fn without_hum(&mut self) -> Result<Status, GapError> {
-        let n = before_forces_of_time(&self.last.model);
-        if n == self.last.model.effects.len() || self.interrupted() {
+        if self.interrupted() {
             return Ok(Status::Explained);
         }
+        let Some(less) = self.without_forces_of_time(&self.path) else { return Ok(Status::Explained) };
+        let rest = &less[less.len() - 1];
         let looks = looks_for_force(&self.last.model);
-        let found = if looks { self.without_force(&self.path[n]) } else { None };
+        let found = if looks { self.without_force(rest) } else { None };
         if found.is_none() {
-            match self.is_hum(&self.path[n], &self.last) {
+            match self.is_hum(rest, &self.last) {
                 Some(true) => {}
                 None if !looks => {
-                    self.warnings.extend(causes(&self.base, &self.path[n]).into_iter().map(Warning::Cause));
+                    self.warnings.extend(causes(&self.base, rest).into_iter().map(Warning::Cause));
                     return Ok(Status::Undetermined);
                 }
                 _ => return Ok(Status::Explained),
             }
         }
+        let (whole, n) = (self.last.model.clone(), less.len() - 1);
+        self.path = less;
         self.keep(n)?;
+        self.forget_forces_of_time(&whole);
         found.iter().for_each(|found| self.take_numbers(found));
         self.warnings.extend(causes(&self.base, &self.last).into_iter().map(Warning::Cause));
         Ok(if n == 0 { Status::NothingMissing } else { Status::Explained })
@@ -155,11 +201,6 @@ fn have_one_size(a: &[Vec<f64>], b: &[Vec<f64>]) -> bool {
 /// Whether a fit with a random force looks for one: not with outputs or jumps.
 fn looks_for_force(model: &TrialModel) -> bool {
     !model.system.jumps() && !model.records.iter().any(|r| reads_outputs(&model.system, r))
-}
-
-/// The number of effects before the last ones that are forces of time alone.
-fn before_forces_of_time(model: &TrialModel) -> usize {
-    model.effects.iter().rposition(|a| !a.effect.entry.law.is_of_time()).map_or(0, |k| k + 1)
 }
 
 #[cfg(test)]

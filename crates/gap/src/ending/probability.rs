@@ -2,7 +2,7 @@
 
 use super::Ending;
 use crate::changed_constants::{is_other_than_a_number, is_same_force};
-use crate::decisions::{SURE, WORTH};
+use crate::decisions::SURE;
 use crate::model::{Fitted, Measure};
 use crate::pushes::Pushed;
 use crate::result::{PlacedLaw, Rival, Step, Tried};
@@ -15,10 +15,9 @@ impl Ending<'_, '_> {
         fitted.map(|t| t.score)
     }
 
-    /// Whether it is sure that no law is missing. The model may be complete, so a law must gain [`WORTH`] to be as likely. A law
-    /// that is ruled out counts too: something else is missing then.
+    /// Whether it is sure that no law is missing. A law that is ruled out counts too: something else is missing then.
     pub(super) fn nothing_is_sure(&self) -> bool {
-        is_sure(WORTH, self.gains(|_, _| true))
+        is_sure(0.0, self.gains(|_, _| true))
     }
 
     /// Whether pushes are sure beside `base`, the model that they act on, and beside every fitted law.
@@ -54,21 +53,21 @@ impl Ending<'_, '_> {
 }
 
 impl Step {
-    /// Whether the law is sure beside its rivals. One that holds it, or of which it is a special case, speaks against it
-    /// only where it does better.
+    /// Whether the law is sure beside its rivals. One that moves the same is the same answer. One that holds it, or of which
+    /// it is a special case, speaks against it only where it does better.
     pub(super) fn is_sure(&self) -> bool {
         let own = &self.effect;
         let holds = |r: &Rival| {
             let mut effects = r.model.iter().flat_map(|m| m.effects.iter().map(|a| &a.effect));
             effects.any(|e| e.same(own) || own.is_simpler_form_of(e))
         };
-        let against = self.rivals.iter().filter(|r| r.delta_bic < 0.0 || !holds(r));
+        let against = self.rivals.iter().filter(|r| !r.same && (r.delta_bic < 0.0 || !holds(r)));
         probability_beside(against.map(|r| r.delta_bic)) >= SURE
     }
 }
 
 /// Whether what lowers the criterion by `gain` is sure beside rivals that lower it by so much.
-fn is_sure(gain: f64, rivals: impl Iterator<Item = f64>) -> bool {
+pub(crate) fn is_sure(gain: f64, rivals: impl Iterator<Item = f64>) -> bool {
     probability_beside(rivals.map(|other| gain - other)) >= SURE
 }
 
@@ -101,6 +100,7 @@ mod tests {
                 laws,
                 delta_bic,
                 behind: f64::INFINITY,
+                same: false,
                 completed: None,
                 model: None,
             };

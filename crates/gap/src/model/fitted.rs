@@ -212,15 +212,36 @@ impl Fitted {
     /// Mean square difference of the residuals of this model and another one on the records of a role, in units
     /// of the noise.
     pub(crate) fn difference(&self, other: &Fitted, on: Role, noise: &[Vec<f64>]) -> f64 {
+        let (sum, count) = self.squares_apart(other, &|role| role == on, &|_| true, noise);
+        sum / count.max(1) as f64
+    }
+
+    /// The chi square of the difference of the residuals of this model and another one in all records, at the samples that tell
+    /// of both: the residual of one that does not is zero.
+    pub(crate) fn apart(&self, other: &Fitted, noise: &[Vec<f64>]) -> f64 {
+        let both = |(a, b): (&f64, &f64)| *a != 0.0 && *b != 0.0;
+        self.squares_apart(other, &|_| true, &both, noise).0
+    }
+
+    /// The sum of squares of that difference, in units of the noise, and the number of samples.
+    fn squares_apart(
+        &self,
+        other: &Fitted,
+        on: &dyn Fn(Role) -> bool,
+        counts: &dyn Fn((&f64, &f64)) -> bool,
+        noise: &[Vec<f64>],
+    ) -> (f64, usize) {
         let (mut sum, mut count) = (0.0, 0usize);
         let records = other.cal.records.iter().zip(&self.cal.records).zip(noise);
-        for ((other, own), noise) in records.filter(|((own, _), _)| own.role == on) {
+        for ((other, own), noise) in records.filter(|((own, _), _)| on(own.role)) {
             for ((a, b), noise) in measured(other).zip(measured(own)).zip(noise) {
-                sum += a.iter().zip(b.iter()).map(|(a, b)| ((a - b) / noise).powi(2)).sum::<f64>();
-                count += a.len();
+                for (a, b) in a.iter().zip(b.iter()).filter(|pair| counts(*pair)) {
+                    sum += ((a - b) / noise).powi(2);
+                    count += 1;
+                }
             }
         }
-        sum / count.max(1) as f64
+        (sum, count)
     }
 
     /// Whether a run rests for more than one sample in `RESTS`.

@@ -235,6 +235,13 @@ pub enum Cause {
         /// From end to end (SI).
         swing: f64,
     },
+    /// The residual of a column bends with the column.
+    Bend {
+        /// Name of the column.
+        column: String,
+        /// Part of the residual's power.
+        share: f64,
+    },
     /// The residual is mostly one tone.
     Tone {
         /// The column.

@@ -287,6 +287,11 @@ impl Display for Cause {
                 100.0 * share,
                 of.column
             ),
+            Cause::Bend { column, share } => write!(
+                f,
+                "{:.0} % of what is left of {column} is a curve over {column}: a sensor whose reading is not in proportion, or a force that bends the motion",
+                100.0 * share
+            ),
             Cause::Tone { of, share, frequency } => write!(
                 f,
                 "{:.0} % {of} is one tone of {frequency:.4} rad/s ({:.4} Hz): hum of the sensor or the mains, a drive that the model does not know, or the rig's own frequency, if it is not the model's",
@@ -511,7 +516,8 @@ mod tests {
     fn a_place_that_all_laws_of_a_rival_share_is_said_once() {
         let law = |law: &str, at: &str| PlacedLaw { law: law.into(), name: law.into(), at: at.into() };
         let said = |laws| {
-            Rival { laws, delta_bic: 1.0, behind: f64::INFINITY, completed: None, model: None }.to_string()
+            Rival { laws, delta_bic: 1.0, behind: f64::INFINITY, same: false, completed: None, model: None }
+                .to_string()
         };
         assert_eq!(said(vec![law("stribeck", "v")]), "stribeck at v");
         assert_eq!(said(vec![law("coulomb", "v"), law("viscous", "v")]), "coulomb + viscous at v");

@@ -55,7 +55,7 @@ pub(crate) fn rival(of: &Fitted, from: usize, delta_bic: f64) -> Rival {
     let mut model = of.model.starting_at(&of.estimates(|p| !p.each));
     of.starts(&mut model);
     let (laws, model) = (label(&of.model, from), Some(Box::new(model)));
-    Rival { laws, delta_bic, behind: f64::INFINITY, completed: None, model }
+    Rival { laws, delta_bic, behind: f64::INFINITY, same: false, completed: None, model }
 }
 
 #[cfg(test)]

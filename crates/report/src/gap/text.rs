@@ -182,7 +182,9 @@ pub(crate) fn rivals(s: &Step, catalogue: &[LawEntry]) -> Vec<(String, Option<St
     let said = near.map(|r| {
         // A richer description may fit better and still not be preferred: its gain does not carry over to
         // unused data.
-        let by = if r.delta_bic < 0.0 {
+        let by = if r.same {
+            "these records cannot tell the two apart".to_owned()
+        } else if r.delta_bic < 0.0 {
             format!("fits better, BIC {} lower, but says little more about data not used", two(-r.delta_bic))
         } else {
             format!("BIC {} higher", two(r.delta_bic))
