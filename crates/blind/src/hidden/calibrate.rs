@@ -100,6 +100,7 @@ fn answered(args: &CalibrateArgs, options: &Options, index: usize) -> Result<Opt
 
 #[cfg(test)]
 mod tests {
+    use super::super::effect::Action;
     use super::super::rivals::{Seen, near};
     use super::super::sensor_noise::SensorNoise;
     use super::super::truth::Placed;
@@ -115,6 +116,25 @@ mod tests {
         };
         assert!(drawn(5) == drawn(5));
         assert!(drawn(5) != drawn(6));
+    }
+
+    /// The force that is hidden is no error, wherever it acts: between a mass and a moved wall too.
+    #[test]
+    fn the_true_force_has_no_error() {
+        let mut of_wall = 0;
+        for (made, _) in (0..60).map(|index| world(20, index).expect("a world")) {
+            let [effect] = &made.effects[..] else { continue };
+            let Action::Force { force, internal, .. } = &effect.action else { continue };
+            if !internal.is_empty() || effect.second_phase.is_some() || made.truth.sticks {
+                continue;
+            }
+            let step = serde_json::json!({ "force": effect.written(force, false), "at": effect.at });
+            let found = forces(&made, &[&step]).expect("a force");
+            let error = force_error(&made, &found).expect("an error");
+            assert!(error < 1e-3, "{}: {step}: {error}", effect.law);
+            of_wall += usize::from(effect.at.contains("du"));
+        }
+        assert!(of_wall > 0);
     }
 
     /// Where the records show one of two laws, that one is the answer.

@@ -52,21 +52,23 @@ impl Force {
     }
 }
 
-/// The sum of forces on each mass along a motion; `None` if a text is no expression of the states.
+/// The sum of forces on each mass along a motion; `None` if a text is no expression of the states, the moved wall and the time.
 pub(super) fn on_masses(
     rig: &Rig,
     forces: &[Effect],
     motion: &Motion,
-    times: &[f64],
+    experiment: &Experiment,
 ) -> Option<Vec<Vec<f64>>> {
+    let times = &experiment.times;
     let mut out = vec![vec![0.0; times.len()]; rig.count()];
-    let names: Vec<&str> = rig.x.iter().chain(&rig.v).map(String::as_str).chain(["t"]).collect();
+    let names: Vec<&str> = rig.x.iter().chain(&rig.v).map(String::as_str).chain(["u", "du", "t"]).collect();
     for effect in forces {
         let Action::Force { place, force, .. } = &effect.action else { return None };
         let mut force = Force::new(&effect.written(force, false), &names)?;
         for (i, &t) in times.iter().enumerate() {
             let states = (0..2 * rig.count()).map(|k| motion.states[k][i]);
-            let value = force.at(states.chain([t]));
+            let (u, du) = Rig::drive_at(&experiment.lines, t);
+            let value = force.at(states.chain([u, du, t]));
             place.parts.iter().for_each(|&(mass, sign)| out[mass][i] += sign * value);
         }
     }

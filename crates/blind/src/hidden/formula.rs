@@ -243,7 +243,7 @@ pub(super) fn force_error(made: &Made, found: &[Effect]) -> Option<f64> {
     let from = if last == 0 { made.split } else { 0 };
     let tail = |forces: Vec<Vec<f64>>| forces.into_iter().map(|f| f[from..].to_vec()).collect::<Vec<_>>();
     let due = tail(missing(rig, exact, experiment));
-    let got = tail(on_masses(rig, found, exact, &experiment.times)?);
+    let got = tail(on_masses(rig, found, exact, experiment)?);
     Some(error(&got, &due, &exact.stuck[from..])).filter(|e| e.is_finite())
 }
 

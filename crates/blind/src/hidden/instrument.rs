@@ -62,7 +62,7 @@ pub(super) fn draw_sensor(
         "sensor-offset" => (Property::Offset, "offset"),
         "clipped-sensor" => (Property::Clip, "top"),
         "bent-sensor" => (Property::Bend, "bend"),
-        "slow-sensor" => (Property::Lag, "lag"),
+        "sensor-lag" => (Property::Lag, "tau"),
         _ => return None,
     };
     // Of all columns at once only what does not depend on their units.

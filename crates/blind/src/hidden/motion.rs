@@ -130,7 +130,7 @@ pub(super) fn read(
 }
 
 /// A column behind a low-pass of first order, straight between its samples.
-fn follow(column: &mut [f64], times: &[f64], lag: f64) {
+pub(super) fn follow(column: &mut [f64], times: &[f64], lag: f64) {
     let (mut held, mut before) = (column[0], column[0]);
     for k in 1..column.len() {
         let step = times[k] - times[k - 1];

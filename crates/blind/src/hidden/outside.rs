@@ -28,7 +28,7 @@ pub(super) const WORLD: &[&str] = &[
 ];
 
 /// Faults of sensors.
-pub(super) const SENSORS: &[&str] = &["clipped-sensor", "bent-sensor", "slow-sensor"];
+pub(super) const SENSORS: &[&str] = &["clipped-sensor", "bent-sensor"];
 
 /// Draws one of them.
 pub(super) fn draw(

@@ -7,7 +7,7 @@
 use super::effect::{Action, Effect, Property};
 use super::force::missing;
 use super::linear::Linear;
-use super::motion::{ACCELERATION, Experiment, Motion};
+use super::motion::{ACCELERATION, Experiment, Motion, follow};
 use super::place::{Place, places};
 use super::rig::Rig;
 use std::collections::BTreeSet;
@@ -459,6 +459,24 @@ impl<'a> Comparison<'a> {
             all.push(("sensor-offset", name.clone(), one(&|k| vec![1.0; motion.quantity(k, masses).len()])));
         }
         all.push(("sensor-delay", "motion".to_owned(), self.rows(&|k| Some(slope(k)))));
+        // What is late by a delay may be late by a lag.
+        let late = self.seen.effects.iter().filter_map(|e| match e.action {
+            Action::Sensor { property: Property::Delay | Property::Lag, value, .. } => Some(value),
+            Action::Input { delay, .. } => Some(delay).filter(|delay| *delay > 0.0),
+            _ => None,
+        });
+        for lag in late {
+            let behind = |k: usize| -> Vec<f64> {
+                let now = motion.quantity(k, masses);
+                let mut shown = now.clone();
+                follow(&mut shown, times, lag);
+                shown.iter().zip(now).map(|(shown, now)| shown - now).collect()
+            };
+            for (own, name) in &names {
+                all.push(("sensor-lag", name.clone(), self.rows(&|k| (k == *own).then(|| behind(k)))));
+            }
+            all.push(("sensor-lag", "motion".to_owned(), self.rows(&|k| Some(behind(k)))));
+        }
         all.push((
             "sensor-gain",
             "motion".to_owned(),

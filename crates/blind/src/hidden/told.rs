@@ -108,7 +108,11 @@ fn constant_at(rig: &Rig, at: &str, letter: &str) -> Option<String> {
     rig.constants.iter().any(|c| c.name == name && c.movable.is_none()).then_some(name)
 }
 
-/// A delay or a gain of the one recorded drive and of the one column are the same: what acts late shows late,
+/// Laws of an input, and of a sensor that shows the same.
+const OF_INPUT_AND_SENSOR: [(&str, &str); 3] =
+    [("input-delay", "sensor-delay"), ("input-gain", "sensor-gain"), ("input-lag", "sensor-lag")];
+
+/// A delay, a lag or a gain of the one recorded drive and of the one column are the same: what acts late shows late,
 /// and on linear springs a scale of the drive is one of the motion.
 fn of_one_drive(e: &Effect, rig: &Rig, (columns, column): (usize, &str)) -> Vec<Placed> {
     let input = match rig.drive {
@@ -118,7 +122,7 @@ fn of_one_drive(e: &Effect, rig: &Rig, (columns, column): (usize, &str)) -> Vec<
     };
     let placed = |law: &str, at: &str| Placed { law: law.to_owned(), at: at.to_owned() };
     let mut all = Vec::new();
-    for (of_input, of_sensor) in [("input-delay", "sensor-delay"), ("input-gain", "sensor-gain")] {
+    for (of_input, of_sensor) in OF_INPUT_AND_SENSOR {
         if e.law == of_input {
             all.push(placed(of_sensor, "motion"));
             if columns == 1 {

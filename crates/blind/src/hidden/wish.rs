@@ -44,7 +44,7 @@ pub(super) struct Wish {
 /// Laws that an accelerometer does not show: a constant force, which is also what makes friction asymmetric,
 /// and what is wrong with a sensor that is not there.
 pub(super) const UNSEEN: &[&str] =
-    &["offset", "asymmetric-coulomb", "sensor-delay", "sensor-gain", "sensor-offset"];
+    &["offset", "asymmetric-coulomb", "sensor-delay", "sensor-gain", "sensor-lag", "sensor-offset"];
 
 /// Every law of the catalogue.
 pub(super) const LAWS: &[&str] = &[

@@ -18,7 +18,8 @@ fn is_fault(law: &str) -> bool {
 pub(super) fn draw(dice: &mut Dice) -> Wish {
     let forces: Vec<&'static str> =
         LAWS.iter().copied().filter(|law| !is_fault(law)).chain(["hanging-body"]).collect();
-    let faults: Vec<&'static str> = LAWS.iter().copied().filter(|law| is_fault(law)).collect();
+    let faults: Vec<&'static str> =
+        LAWS.iter().copied().filter(|law| is_fault(law)).chain(["sensor-lag"]).collect();
     let strange: Vec<&'static str> =
         never::names().chain(outside::KINDS.iter().chain(outside::WORLD).copied()).collect();
     let kind = match dice.whole(0, 19) {
