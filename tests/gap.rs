@@ -113,7 +113,7 @@ fn a_law_too_faint_to_tell_is_told() {
         "{found}"
     );
     let said = std::fs::read_to_string(folder.join("out/gap.txt")).expect("a text");
-    assert!(said.contains("quadratic stiffness at v would fit better"), "{said}");
+    assert!(said.contains("whether quadratic stiffness at v is there too"), "{said}");
 }
 
 #[test]

@@ -12,7 +12,8 @@ use crate::drive_frequency::drive_frequency;
 use crate::formula::{DISCOVERED, expansion};
 use crate::input_interpolation::{Redrawn, beyond_noise, coarse_inputs, redrawn};
 use crate::model::{
-    Applied, ColumnError, Fitted, Measure, TrialModel, current, expression, text_with, values,
+    Applied, ColumnError, Fitted, Measure, TrialModel, current, expression, probability_beside, text_with,
+    values,
 };
 use crate::none_of_these::probability as probability_of_none;
 use crate::other_causes::{causes, input_noise};
@@ -31,8 +32,7 @@ use crate::spec_mistakes::spec_mistake;
 use phisindy_learn::{Effort, FoundParameter, Identified, at_bounds, free_run_horizons, sensitive_starts};
 use phisindy_phys::spec::Role;
 use phisindy_signal::Interpolation;
-pub(crate) use probability::is_sure;
-use probability::{probability_beside, rivals_of_the_answer};
+use probability::rivals_of_the_answer;
 use rayon::prelude::*;
 
 /// The state after the search: the verdict, other explanations and the result follow from it.
@@ -489,8 +489,8 @@ impl<'s, 'a> Ending<'s, 'a> {
     }
 
     /// Fits the near rivals of the last round as hard as the final model, with the same noise. The fits of a race are rougher.
-    /// Drops those that evidence rules out, and those whose numbers the records do not determine: they would be no answer. Of
-    /// rivals that no record tells apart the best one stays.
+    /// Drops those that evidence rules out, and those whose numbers the records do not determine: they would be no answer.
+    /// Of rivals that no record tells apart the best one stays.
     fn compare_near_rivals(&mut self) {
         let Ending { last, noise, rounds, candidates, .. } = self;
         let kept = rounds.iter_mut().filter(|round| round.before < last.model.effects.len());

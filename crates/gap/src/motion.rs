@@ -4,8 +4,8 @@
 use crate::decisions::{REST_NOISE, REST_PART};
 use crate::repeat::repeatability;
 use crate::whiteness::{lines, mean_step};
-use phisindy_learn::{Calibration, SensorPart};
-use phisindy_phys::{Record, System};
+use phisindy_learn::Calibration;
+use phisindy_phys::{Record, SensorPart, System};
 use phisindy_signal::{Interpolation, noise_level};
 
 /// The motion of one record.

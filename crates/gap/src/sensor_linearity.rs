@@ -3,8 +3,7 @@
 //! range.
 
 use crate::decisions::{SAME_GAP, SENSOR_LINEARITY};
-use crate::ending::is_sure;
-use crate::model::{Fitted, TrialModel, current};
+use crate::model::{Fitted, TrialModel, current, is_sure};
 use crate::place::Effect;
 use crate::result::{Cause, Named, PlacedLaw, SensorNonlinearity};
 use phisindy_learn::Effort;

@@ -37,7 +37,7 @@ pub use result::identified::{Identified, NoiseModel, PathPoint, StopReason};
 pub use result::late_column::LateColumn;
 pub use result::parameter::{FoundParameter, parameter_values};
 pub use result::passivity_violation::PassivityViolation;
-pub use result::quantity::{ParameterId, ParameterOf, Quantity, RecordId, SensorPart, TermId};
+pub use result::quantity::{ParameterId, ParameterOf, Quantity, RecordId, TermId};
 pub use result::record_fit::{Adapted, OwnValue, RecordFit};
 pub use result::remainder::Remainder;
 pub use result::term::{Contribution, FoundTerm};

@@ -6,7 +6,7 @@
 
 use crate::loaded::{Loaded, checked};
 use phisindy_learn::{Identified, LateColumn, LearnError, LearnOptions, Warning, identify};
-use phisindy_phys::{Record, RecordPlan, SourceId, splice};
+use phisindy_phys::{Record, RecordPlan, SensorParameter, SourceId, splice};
 use std::ops::ControlFlow;
 
 impl Loaded {
@@ -84,10 +84,13 @@ fn with_delay(loaded: &Loaded, late: &LateColumn) -> Option<Loaded> {
     edited(loaded, late, "delay", &delay_name(&late.name), (-reach, reach))
 }
 
-/// With a lag of the column in every record.
+/// With a lag of the column in every record; `None` where the column is early, or its lag is stated.
 fn with_lag(loaded: &Loaded, late: &LateColumn) -> Option<Loaded> {
-    let most = late.reach * late.delay;
-    (late.delay > 0.0).then(|| edited(loaded, late, "lag", &lag_name(&late.name), (0.0, most)))?
+    let stated = |r: &Record| r.sensors[late.column].lag != SensorParameter::fixed(0.0);
+    if late.delay <= 0.0 || loaded.records.iter().any(stated) {
+        return None;
+    }
+    edited(loaded, late, "lag", &lag_name(&late.name), (0.0, late.reach * late.delay))
 }
 
 /// The text with one more constant, and a property of a column in every record that uses it; `None` if the text has

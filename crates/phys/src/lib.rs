@@ -46,7 +46,7 @@ pub use system::own_times::OwnTimes;
 pub use system::plan::{Origin, RecordPlan, Synthetic, SyntheticInput};
 pub use system::record::{Derivation, Overlap, OwnColumn, Record, Units, link_continuations, overlaps};
 pub use system::requirement::Requirement;
-pub use system::sensor::{LAG_MOMENTS, SENSOR_PARAMETERS, Sensor, SensorParameter};
+pub use system::sensor::{LAG_MOMENTS, Sensor, SensorParameter, SensorPart};
 pub use system::table::{Samples, Table};
 pub use text::diagnostic::{Diagnostic, Label, Located, Severity, Source, SourceId, Sources};
 pub use text::files::{Files, NamedFile, Numbers, named_files};

@@ -80,8 +80,8 @@ impl Ending<'_, '_> {
         Ok(Some((status, n)))
     }
 
-    /// The way to a model beside which no force is left, where it is another one than `way`: that without forces of time. With
-    /// it comes the fit that shows it; hum needs none.
+    /// Whether no force is left beside the last model of `way`, or beside it without its forces of time. Gives the way to the
+    /// latter, if it is that one, and the fit that shows it; hum needs none.
     fn without_force_or_hum(&self, way: &[Fitted]) -> Option<(Option<Vec<Fitted>>, Option<Identified>)> {
         let whole = way.last()?;
         if whole.model.effects.is_empty() && !self.nothing_is_sure() {
@@ -112,7 +112,8 @@ impl Ending<'_, '_> {
         way[..=first].iter().cloned().map(Some).chain((first + 1..=rest.len()).map(fitted)).collect()
     }
 
-    /// The rounds after the forces of time were taken from this model: those that added them say nothing of what is left.
+    /// Counts the effects before each round anew, after the forces of time were taken from this model. Rounds that added
+    /// nothing else say nothing of what is left.
     fn forget_forces_of_time(&mut self, whole: &TrialModel) {
         let of_time = |k: &usize| whole.effects[*k].effect.entry.law.is_of_time();
         let mut ends: Vec<usize> = self.rounds.iter().map(|r| r.before).collect();
@@ -149,8 +150,8 @@ impl Ending<'_, '_> {
         }
     }
 
-    /// Drops the forces of time where they are hum: no force is left without them, or tones in the sensors describe the records
-    /// better. Returns the status of what remains.
+    /// Drops the forces of time if they are hum. They are if no force is left without them, or if tones in the sensors describe
+    /// the records better. Returns the status of what remains.
     pub(super) fn without_hum(&mut self) -> Result<Status, GapError> {
         if self.interrupted() {
             return Ok(Status::Explained);

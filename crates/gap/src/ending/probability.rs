@@ -3,7 +3,7 @@
 use super::Ending;
 use crate::changed_constants::{is_other_than_a_number, is_same_force};
 use crate::decisions::SURE;
-use crate::model::{Fitted, Measure};
+use crate::model::{Fitted, Measure, is_sure, probability_beside};
 use crate::pushes::Pushed;
 use crate::result::{PlacedLaw, Rival, Step, Tried};
 use crate::search::Round;
@@ -64,17 +64,6 @@ impl Step {
         let against = self.rivals.iter().filter(|r| !r.same && (r.delta_bic < 0.0 || !holds(r)));
         probability_beside(against.map(|r| r.delta_bic)) >= SURE
     }
-}
-
-/// Whether what lowers the criterion by `gain` is sure beside rivals that lower it by so much.
-pub(crate) fn is_sure(gain: f64, rivals: impl Iterator<Item = f64>) -> bool {
-    probability_beside(rivals.map(|other| gain - other)) >= SURE
-}
-
-/// The probability of a model beside rivals whose criterion is so much higher.
-pub(super) fn probability_beside(rivals: impl Iterator<Item = f64>) -> f64 {
-    let against: f64 = rivals.map(|behind| (-0.5 * behind).exp()).sum();
-    (1.0 + against).recip()
 }
 
 /// The rivals of a law, beside the final model. One that holds the law and more was an answer to what was left then: later

@@ -2,7 +2,7 @@
 
 use super::occam_factor::OccamFactor;
 use crate::decisions::{
-    CHANCE, EARLY_PRICE, EXPLAINED, FAR_OFF, INDEPENDENT, INPUT_PRICE, NOT_WHITE, SENSOR_PRICE,
+    CHANCE, EARLY_PRICE, EXPLAINED, FAR_OFF, INDEPENDENT, INPUT_PRICE, NOT_WHITE, SENSOR_PRICE, SURE,
 };
 
 /// How well a model follows the records, and what it costs.
@@ -136,6 +136,17 @@ impl Measure {
     pub(crate) fn criterion(self, of: &Score) -> f64 {
         of.criterion(self.candidates, self.independent)
     }
+}
+
+/// Whether what lowers the criterion by `gain` is sure beside rivals that lower it by so much.
+pub(crate) fn is_sure(gain: f64, rivals: impl Iterator<Item = f64>) -> bool {
+    probability_beside(rivals.map(|other| gain - other)) >= SURE
+}
+
+/// The probability of a model beside rivals whose criterion is so much higher.
+pub(crate) fn probability_beside(rivals: impl Iterator<Item = f64>) -> f64 {
+    let against: f64 = rivals.map(|behind| (-0.5 * behind).exp()).sum();
+    (1.0 + against).recip()
 }
 
 #[cfg(test)]

@@ -389,7 +389,7 @@ pub(crate) fn expression(applied: &Applied) -> String {
         Some(acts) if effect.entry.law.acting().is_some() => {
             return rename(acts, &replacements(applied)).unwrap_or_default();
         }
-        Some("lag") => return format!("{at} that follows in {name}"),
+        Some("lag") => return format!("{at} with a lag of {name}"),
         Some(_) => return format!("{at}(t - {name})"),
         None => {}
     }

@@ -5,8 +5,8 @@ use phisindy_expr::Id;
 use phisindy_phys::spec::{ConstantSpec, DataSpec, Movable, Number, Role, Spec};
 use phisindy_phys::unit::Unit;
 use phisindy_phys::{
-    Case, Contact, Impact, Law, Record, RecordPlan, Sensor, SensorParameter, SourceId, System, check_names,
-    takes_units,
+    Case, Contact, Impact, Law, Record, RecordPlan, Sensor, SensorParameter, SensorPart, SourceId, System,
+    check_names, takes_units,
 };
 use phisindy_sim::Stop;
 use rayon::prelude::*;
@@ -364,7 +364,8 @@ impl TrialModel {
     /// Makes the effect's parameter the offset, gain, delay or lag of the sensors of these columns.
     fn set_sensor_parameter(&mut self, applied: &Applied, columns: Vec<usize>) -> Result<(), EffectError> {
         let entry = &applied.effect.entry;
-        let which = entry.law.property().ok_or_else(|| EffectError::NoSensor(entry.id.clone()))?;
+        let which = entry.law.property().and_then(SensorPart::named);
+        let which = which.ok_or_else(|| EffectError::NoSensor(entry.id.clone()))?;
         let k = applied.parameters[0];
         let p = &self.system.parameters[k];
         let parameter =
@@ -376,13 +377,7 @@ impl TrialModel {
                     // The samples of the input have nothing undone.
                     parameter.start = 0.0;
                 }
-                let sensor = &mut record.sensors[column];
-                match which {
-                    "offset" => sensor.offset = parameter.clone(),
-                    "gain" => sensor.gain = parameter.clone(),
-                    "lag" => sensor.lag = parameter.clone(),
-                    _ => sensor.delay = parameter.clone(),
-                }
+                *record.sensors[column].parameters_mut()[which as usize] = parameter;
             }
         }
         Ok(())

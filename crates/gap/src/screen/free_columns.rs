@@ -5,6 +5,7 @@ use super::regression_data::{Base, RegressionData};
 use super::target::Target;
 use crate::evaluate::evaluated;
 use crate::model::TrialModel;
+use phisindy_phys::SensorPart;
 use rayon::prelude::*;
 
 /// A movable constant of the model, whose column is projected out.
@@ -76,11 +77,11 @@ impl FreeColumns {
             for (r, data) in data.iter().enumerate() {
                 let mut rows = responses[r][p].clone();
                 let sensors = &model.records[of[r]].sensors;
-                for which in 0..phisindy_phys::SENSOR_PARAMETERS {
-                    let read = |k: &usize| sensors[*k].parameters()[which].shared == Some(p);
+                for part in SensorPart::ALL {
+                    let read = |k: &usize| sensors[*k].parameters()[part as usize].shared == Some(p);
                     let columns: Vec<usize> = (0..model.system.columns()).filter(read).collect();
                     if !columns.is_empty() {
-                        let own = data.sensor(&columns, which);
+                        let own = data.sensor(&columns, part);
                         rows.iter_mut().zip(own).for_each(|(a, b)| *a += b);
                     }
                 }
@@ -106,9 +107,10 @@ impl FreeColumns {
         for (r, data) in data.iter().enumerate() {
             for k in 0..model.system.columns() {
                 let measured = data.rows.iter().any(|row| row.column == k);
-                for (which, p) in model.records[of[r]].sensors[k].parameters().into_iter().enumerate() {
+                let parameters = model.records[of[r]].sensors[k].parameters();
+                for (part, p) in SensorPart::ALL.into_iter().zip(parameters) {
                     if p.within.is_some() && p.shared.is_none() && measured {
-                        self.push(before, &data.sensor(&[k], which));
+                        self.push(before, &data.sensor(&[k], part));
                     }
                 }
             }

@@ -12,7 +12,7 @@ use crate::place::{Entered, Rates, Site, entered};
 use crate::whiteness::lines;
 use phisindy_expr::{Id, Tape};
 use phisindy_learn::Calibration;
-use phisindy_phys::{Record, System};
+use phisindy_phys::{Record, SensorPart, System};
 use phisindy_sim::Trajectory;
 
 /// One record, prepared for the regression.
@@ -307,20 +307,22 @@ impl RegressionData {
         Some(&self.readings.as_ref()?.by_parameter[output][parameter])
     }
 
-    /// The derivative of the readings by a sensor parameter of some columns: 0 offset, 1 gain, 2 delay, 3 clock, 4 lag.
-    /// A lag is a delay, to first order.
-    pub(super) fn sensor(&self, columns: &[usize], which: usize) -> Vec<f64> {
+    /// The derivative of the readings by a sensor parameter of some columns.
+    pub(super) fn sensor(&self, columns: &[usize], part: SensorPart) -> Vec<f64> {
         let of = |row: &Row| -> Vec<f64> {
             let on = columns.contains(&row.column);
             let gain = self.motion.sensors[row.column].0;
             row.every(|i| {
-                let change = match which {
-                    0 => 1.0,
+                let change = match part {
+                    SensorPart::Offset => 1.0,
                     // Proportional to the model's response; a column of the measured values themselves would
                     // explain everything.
-                    1 => row.known[i],
-                    2 | 4 => -gain * self.slope(i, row),
-                    _ => gain * self.slope(i, row) * (self.motion.time[i] - self.motion.since),
+                    SensorPart::Gain => row.known[i],
+                    // A lag is a delay, to first order.
+                    SensorPart::Delay | SensorPart::Lag => -gain * self.slope(i, row),
+                    SensorPart::Clock => {
+                        gain * self.slope(i, row) * (self.motion.time[i] - self.motion.since)
+                    }
                 };
                 if on { row.weight * change } else { 0.0 }
             })

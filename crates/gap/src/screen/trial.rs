@@ -11,7 +11,7 @@ use crate::motion::Motion;
 use crate::place::{Effect, Place, Site, entered_nodes};
 use crate::whiteness::mean_step;
 use phisindy_expr::{Id, Tape};
-use phisindy_phys::System;
+use phisindy_phys::{SensorPart, System};
 
 /// The columns of an effect for one combination of grid values.
 pub(super) struct Trial {
@@ -21,15 +21,10 @@ pub(super) struct Trial {
     pub(super) columns: Vec<Vec<f64>>,
 }
 
-/// Offset, gain or delay of the sensors of some columns.
+/// A property of the sensors of some columns.
 pub(super) fn sensor_trials(effect: &Effect, columns: &[usize], data: &[RegressionData]) -> Vec<Trial> {
-    let which = match effect.entry.law.sensor.as_deref() {
-        Some("offset") => 0,
-        Some("gain") => 1,
-        Some("lag") => 4,
-        _ => 2,
-    };
-    let column = data.iter().flat_map(|g| g.sensor(columns, which)).collect();
+    let Some(part) = effect.entry.law.sensor.as_deref().and_then(SensorPart::named) else { return vec![] };
+    let column = data.iter().flat_map(|g| g.sensor(columns, part)).collect();
     vec![Trial { effect: effect.clone(), grid: vec![], columns: vec![column] }]
 }
 

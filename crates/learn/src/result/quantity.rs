@@ -1,7 +1,7 @@
 //! What a number of a result is of: a term of the dictionary, a constant, or a property of a sensor. Names
 //! stand beside the indices, so that a result can be printed without the system.
 
-use phisindy_phys::{SENSOR_PARAMETERS, System};
+use phisindy_phys::{SensorPart, System};
 
 /// A term of the dictionary.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -22,47 +22,6 @@ impl TermId {
     pub fn new(system: &System, index: usize) -> TermId {
         let term = &system.terms[index];
         TermId { index, candidate: term.candidate.clone(), state: system.states[term.state].name.clone() }
-    }
-}
-
-/// A property of a sensor: its column says `offset + gain * quantity(t - delay + clock*t)`, followed with a lag.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum SensorPart {
-    /// Zero error, in the unit of the column.
-    Offset,
-    /// Scale error.
-    Gain,
-    /// Lateness in seconds.
-    Delay,
-    /// The error of the rate of its clock.
-    Clock,
-    /// The time constant with which it follows, in seconds.
-    Lag,
-}
-
-impl SensorPart {
-    /// All of them, in the order in which the fit keeps them.
-    pub const ALL: [SensorPart; SENSOR_PARAMETERS] =
-        [SensorPart::Offset, SensorPart::Gain, SensorPart::Delay, SensorPart::Clock, SensorPart::Lag];
-
-    /// As the spec writes it.
-    pub fn name(self) -> &'static str {
-        match self {
-            SensorPart::Offset => "offset",
-            SensorPart::Gain => "gain",
-            SensorPart::Delay => "delay",
-            SensorPart::Clock => "clock",
-            SensorPart::Lag => "lag",
-        }
-    }
-
-    /// Its unit, where the column has the unit `column`; empty for a plain number.
-    pub fn unit(self, column: &str) -> &str {
-        match self {
-            SensorPart::Offset => column,
-            SensorPart::Gain | SensorPart::Clock => "",
-            SensorPart::Delay | SensorPart::Lag => "s",
-        }
     }
 }
 

@@ -2,7 +2,6 @@
 
 use crate::decisions::ROUGH_MINIMUM;
 use crate::least_squares::{Limits, Normal, minimise_by};
-use crate::result::quantity::SensorPart;
 use crate::trajectory::delayed_samples::SampledRun;
 use crate::trajectory::jumps::Miss;
 use crate::trajectory::layout::{Segment, SensorSlots, Source};
@@ -10,6 +9,7 @@ use crate::trajectory::problem::Problem;
 use crate::trajectory::products::Products;
 use crate::trajectory::window_means::Window;
 use faer::Mat;
+use phisindy_phys::SensorPart;
 use phisindy_sim::SimError;
 use rayon::prelude::*;
 use std::ops::Range;

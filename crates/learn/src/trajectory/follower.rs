@@ -15,7 +15,7 @@ pub(crate) struct Follower<'p> {
     gains: &'p Gains,
     first: usize,
     due: Vec<Vec<Reading>>,
-    /// Where offset, gain, delay and clock of each column stand among the derivatives.
+    /// Where the sensor parameters of each column stand among the derivatives.
     slots: Vec<SensorSlots>,
     /// Columns of the derivatives: those of the run, then numbers of sensors that no rate knows.
     width: usize,

@@ -4,14 +4,14 @@ use crate::decisions::{DIVERGED_SIZE, OWN_PART, START_BLUR, START_MINIMUM, START
 use crate::least_squares::{Limits, Normal};
 use crate::linear::covariance;
 use crate::result::error::ModelError;
-use crate::result::quantity::{ParameterId, ParameterOf, RecordId, SensorPart};
+use crate::result::quantity::{ParameterId, ParameterOf, RecordId};
 use crate::result::record_fit::{Adapted, OwnValue, RecordFit};
 use crate::trajectory::delayed_samples::SampledRun;
 use crate::trajectory::problem::{Meaning, Problem};
 use faer::Mat;
 use phisindy_phys::spec::Role;
 use phisindy_phys::unit::Unit;
-use phisindy_phys::{Record, SENSOR_PARAMETERS, System};
+use phisindy_phys::{Record, SensorPart, System};
 use phisindy_signal::standard_deviation;
 use phisindy_sim::{Options, SimError, Trajectory};
 
@@ -22,8 +22,8 @@ pub(crate) struct Solution {
     pub(crate) coefficients: Vec<f64>,
     /// Values of the system's parameters, for each record.
     pub(crate) parameters: Vec<Vec<f64>>,
-    /// Offset, gain, delay and clock of each sensor, for each record.
-    pub(crate) sensors: Vec<Vec<[f64; SENSOR_PARAMETERS]>>,
+    /// The parameters of each sensor, for each record.
+    pub(crate) sensors: Vec<Vec<[f64; SensorPart::ALL.len()]>>,
     /// Start states, for each record, if fitted already.
     pub(crate) starts: Vec<Option<Vec<f64>>>,
     /// Whether its fit was given up: start states need no digits then.
@@ -251,7 +251,12 @@ fn adapted(problem: &Problem<'_>, x: &[f64], record: &Record, index: usize, took
 }
 
 /// Keeps what a record was given of its own.
-fn keep(problem: &Problem<'_>, x: &[f64], parameters: &mut [f64], sensors: &mut [[f64; SENSOR_PARAMETERS]]) {
+fn keep(
+    problem: &Problem<'_>,
+    x: &[f64],
+    parameters: &mut [f64],
+    sensors: &mut [[f64; SensorPart::ALL.len()]],
+) {
     for (k, meaning) in problem.meanings().into_iter().enumerate() {
         match meaning {
             Meaning::Parameter(p, Some(_)) => parameters[p] = x[k],

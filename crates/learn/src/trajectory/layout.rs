@@ -2,8 +2,7 @@
 //! own parameters, its free sensor parameters, and a start state for each of its segments.
 
 use crate::decisions::SEGMENT_SAMPLES;
-use crate::result::quantity::SensorPart;
-use phisindy_phys::{Record, SENSOR_PARAMETERS, SensorParameter, System};
+use phisindy_phys::{Record, SensorParameter, SensorPart, System};
 
 /// Some of the sensor parameters, in the order of [`SensorPart::ALL`].
 pub(crate) const GAIN: usize = SensorPart::Gain as usize;
@@ -29,10 +28,10 @@ pub(crate) enum Source {
 }
 
 /// Where the numbers of a sensor come from, in the order of [`SensorPart::ALL`].
-pub(crate) type SensorSources = [Source; SENSOR_PARAMETERS];
+pub(crate) type SensorSources = [Source; SensorPart::ALL.len()];
 
 /// Where the unknowns of a sensor stand among those of a run; `usize::MAX` for a number that is known.
-pub(crate) type SensorSlots = [usize; SENSOR_PARAMETERS];
+pub(crate) type SensorSlots = [usize; SensorPart::ALL.len()];
 
 /// Which unknowns there are, and where they enter each record.
 pub(crate) struct Layout {

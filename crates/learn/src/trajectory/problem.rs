@@ -8,8 +8,7 @@ use crate::result::error::ModelError;
 use crate::trajectory::delayed_samples::{DelayedSamples, Lateness, SampledRun};
 use crate::trajectory::filter::Gains;
 use crate::trajectory::follower::Follower;
-use crate::trajectory::input_sensors::InputSensors;
-use crate::trajectory::input_sensors::OF_INPUT;
+use crate::trajectory::input_sensors::{InputSensors, OF_INPUT};
 use crate::trajectory::layout::{CLOCK, DELAY, LAG, Layout, Segment, SensorSources, Source};
 use crate::trajectory::noise::{ColumnNoise, least_noise_of};
 use phisindy_phys::{Record, Sensor, System};
@@ -36,7 +35,7 @@ pub(crate) struct Problem<'a> {
     pub(crate) belief: f64,
     /// For each record, the parameters of the model.
     pub(crate) model: Vec<Vec<Source>>,
-    /// For each record, offset, gain, delay and clock of each state, each output, then each input.
+    /// For each record, the sensor parameters of each state, each output, then each input.
     pub(crate) sensors: Vec<Vec<SensorSources>>,
     input_sensors: InputSensors,
     /// By record and column, the first sample that tells of the model, see [`Problem::tells`].
@@ -74,7 +73,7 @@ pub(crate) enum Meaning {
     Coefficient(usize),
     /// Index into the system's parameters; the record for those that each has.
     Parameter(usize, Option<usize>),
-    /// Record, column (or, beyond them, input), which of offset, gain, delay, clock.
+    /// Record, column (or, beyond them, input), which of its parameters.
     Sensor(usize, usize, usize),
     Start,
 }

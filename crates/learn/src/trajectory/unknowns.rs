@@ -3,13 +3,13 @@
 
 use crate::result::estimate::Estimate;
 use crate::result::parameter::FoundParameter;
-use crate::result::quantity::{ParameterId, ParameterOf, RecordId, SensorPart};
+use crate::result::quantity::{ParameterId, ParameterOf, RecordId};
 use crate::trajectory::fit::Fit;
 use crate::trajectory::free_run::Solution;
 use crate::trajectory::problem::Meaning;
 use phisindy_phys::spec::Role;
 use phisindy_phys::unit::Unit;
-use phisindy_phys::{Parameter, Record, System};
+use phisindy_phys::{Parameter, Record, SensorPart, System};
 
 /// The unknowns of a fit to the Fit records among some records.
 pub(crate) struct Unknowns<'a> {

@@ -9,7 +9,8 @@ use crate::options::Options;
 use crate::{Gap, Identified};
 use phisindy_compare::{Cause, Estimates, ForceCurve, Number, Unit};
 use phisindy_gap::{Site, Step};
-use phisindy_learn::{FoundParameter, ParameterOf, SensorPart};
+use phisindy_learn::{FoundParameter, ParameterOf};
+use phisindy_phys::SensorPart;
 use phisindy_phys::spec::Spec;
 use phisindy_report::force_curves;
 

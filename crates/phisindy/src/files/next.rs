@@ -11,7 +11,7 @@ use super::request::Request;
 use super::source::{Source, part, words};
 use crate::error::Error;
 use crate::options::Options;
-use crate::{Gap, Identified};
+use crate::{Gap, Identified, Status};
 use phisindy_design::{Aim, Limits, Noise, Rival, design, possible};
 use phisindy_learn::NoiseModel;
 use phisindy_phys::spec::Role;
@@ -184,7 +184,8 @@ fn left(source: &Source, request: &Request, options: &Options<'_>) -> Result<Lef
     }
     let found = part(options, (0.0, 0.5), |options| loaded.gap(options)).map_err(told)?;
     let status = found.status();
-    let explains = status.holds() || !found.steps().is_empty();
+    // Where the model as it is leaves only noise, it is left, though a law may be there too.
+    let explains = status != Status::Unexplained || !found.steps().is_empty();
     if !explains {
         return Err(format!(
             "`{}` is {}: no model is left that a run could decide on; `phisindy gap {}` shows what the missing force depends on",

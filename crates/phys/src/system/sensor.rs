@@ -24,6 +24,52 @@ impl SensorParameter {
     }
 }
 
+/// A property of a [`Sensor`] that may be to be found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SensorPart {
+    /// Zero error, in the unit of the column.
+    Offset,
+    /// Scale error.
+    Gain,
+    /// Lateness in seconds.
+    Delay,
+    /// The error of the rate of its clock.
+    Clock,
+    /// The time constant with which it follows, in seconds.
+    Lag,
+}
+
+impl SensorPart {
+    /// All of them, in the order of [`Sensor::parameters`].
+    pub const ALL: [SensorPart; 5] =
+        [SensorPart::Offset, SensorPart::Gain, SensorPart::Delay, SensorPart::Clock, SensorPart::Lag];
+
+    /// As the spec writes it.
+    pub fn name(self) -> &'static str {
+        match self {
+            SensorPart::Offset => "offset",
+            SensorPart::Gain => "gain",
+            SensorPart::Delay => "delay",
+            SensorPart::Clock => "clock",
+            SensorPart::Lag => "lag",
+        }
+    }
+
+    /// The one of this name.
+    pub fn named(name: &str) -> Option<SensorPart> {
+        SensorPart::ALL.into_iter().find(|part| part.name() == name)
+    }
+
+    /// Its unit, where the column has the unit `column`; empty for a plain number.
+    pub fn unit(self, column: &str) -> &str {
+        match self {
+            SensorPart::Offset => column,
+            SensorPart::Gain | SensorPart::Clock => "",
+            SensorPart::Delay | SensorPart::Lag => "s",
+        }
+    }
+}
+
 /// The reading of a sensor: `gain * quantity(t - delay + clock*(t - since)) + offset`, of a mean over the time `average`
 /// before that, which is followed with a lag of first order.
 ///
@@ -58,13 +104,13 @@ pub struct Sensor {
 }
 
 impl Sensor {
-    /// What may be to be found: offset, gain, delay, clock, lag.
-    pub fn parameters(&self) -> [&SensorParameter; SENSOR_PARAMETERS] {
+    /// What may be to be found, in the order of [`SensorPart::ALL`].
+    pub fn parameters(&self) -> [&SensorParameter; SensorPart::ALL.len()] {
         [&self.offset, &self.gain, &self.delay, &self.clock, &self.lag]
     }
 
     /// The same, to be changed.
-    pub fn parameters_mut(&mut self) -> [&mut SensorParameter; SENSOR_PARAMETERS] {
+    pub fn parameters_mut(&mut self) -> [&mut SensorParameter; SensorPart::ALL.len()] {
         [&mut self.offset, &mut self.gain, &mut self.delay, &mut self.clock, &mut self.lag]
     }
 
@@ -118,8 +164,7 @@ impl Sensor {
         t - self.lateness() + self.clock.start * (t - self.since)
     }
 
-    /// By how much it is late in the mean, each parameter at its start: a mean over a time shows the middle of it, and a lag
-    /// is as late as its time constant.
+    /// How late it is, each parameter at its start. A mean over a time is late by half of it, a lag by its time constant.
     pub fn lateness(&self) -> f64 {
         self.delay.start + 0.5 * self.average + self.lag.start
     }
@@ -156,9 +201,8 @@ impl Sensor {
 const MEAN_OF: usize = 32;
 
 /// Which moments a sensor with a lag of first order shows: how far each is back, in time constants, and its part. Its
-/// reading is the mean of the past with the weight `exp(-s)` at `s` time constants back, here by the rule of Gauss and
-/// Laguerre with four nodes (exact for polynomials of degree 7, to 5e-5 of a vibration whose radian is two time constants;
-/// NIST Digital Library of Mathematical Functions, table 3.5.6). The mean moment stands in the middle and has no part.
+/// reading is the mean of the past with the weight `exp(-s)` at `s` time constants back. The rule of Gauss and Laguerre with
+/// four nodes is exact for polynomials of degree 7, and good to 5e-5 of a vibration whose radian is two time constants (NIST Digital Library of Mathematical Functions, table 3.5.6). The mean moment stands in the middle and has no part.
 pub const LAG_MOMENTS: [(f64, f64); 5] = [
     (0.322_547_689_619_392_3, 0.603_154_104_341_633_6),
     (1.745_761_101_158_346_6, 0.357_418_692_437_799_7),
@@ -166,9 +210,6 @@ pub const LAG_MOMENTS: [(f64, f64); 5] = [
     (4.536_620_296_921_128, 0.038_887_908_515_005_38),
     (9.395_070_912_301_133, 0.000_539_294_705_561_327_4),
 ];
-
-/// How many numbers of a sensor may be to be found.
-pub const SENSOR_PARAMETERS: usize = 5;
 
 impl Default for Sensor {
     fn default() -> Self {

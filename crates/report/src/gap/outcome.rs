@@ -28,14 +28,14 @@ pub(crate) fn outcome(found: &Gap) -> String {
             short(before),
             short(last)
         ),
-        // The model as it is leaves noise, and a law would leave less.
+        // The model as it is leaves noise, and a law might be there all the same.
         Status::Undetermined if found.steps.is_empty() => {
             let fitted = found.tried.iter().filter(|t| t.gap.is_some());
-            let better = fitted.max_by(|a, b| a.score.total_cmp(&b.score));
-            let law = better.map_or("a law".to_owned(), |t| t.at.to_string());
+            let nearest = fitted.max_by(|a, b| a.score.total_cmp(&b.score));
+            let law = nearest.map_or("a law".to_owned(), |t| t.at.to_string());
             format!(
-                "the model leaves only noise (gap {}), but {law} would fit better; these records do not tell whether it is \
-                 there, longer ones or a larger motion would",
+                "the model leaves only noise (gap {}), but these records do not tell whether {law} is there \
+                 too; longer ones or a larger motion would",
                 short(last)
             )
         }

@@ -2,9 +2,10 @@
 
 use crate::input::Input;
 use crate::table::short;
-use phisindy_learn::{Identified, Quantity, SensorPart};
+use phisindy_learn::{Identified, Quantity};
 use phisindy_phys::spec::{ConstantSpec, DataSpec, Role};
 use phisindy_phys::unit::Unit;
+use phisindy_phys::{Sensor, SensorPart};
 use serde::Serialize;
 
 /// A number that the fit did not move.
@@ -53,8 +54,9 @@ pub(crate) fn fixed_values(input: Input<'_>, found: &Identified) -> Vec<FixedVal
         };
         all.extend(of_records(name, input, &value));
     }
+    let perfect = Sensor::default();
     for (k, (column, own)) in system.quantities().enumerate() {
-        for (part, idle) in SensorPart::ALL.into_iter().zip([0.0, 1.0, 0.0, 0.0, 0.0]) {
+        for (part, idle) in SensorPart::ALL.into_iter().zip(perfect.parameters().map(|p| p.start)) {
             let (name, unit) = (format!("{column}.{}", part.name()), part.unit(own));
             let moved = |r: usize| {
                 found.parameters.iter().any(|p| p.id.sensor() == Some((k, part)) && p.id.holds_in(r))

@@ -4,10 +4,9 @@ use super::edit::{Text, first, head, number, records_of, sensor_of};
 use crate::gap::GapReport;
 use crate::input::Input;
 use phisindy_gap::Gap;
-use phisindy_learn::SensorPart;
 use phisindy_phys::spec::{self, DataSpec, Find, SensorValue};
 use phisindy_phys::unit::Unit;
-use phisindy_phys::{Origin, SourceId};
+use phisindy_phys::{Origin, SensorPart, SourceId};
 
 /// Name of the file.
 pub const COMPLETED: &str = "completed.ron";

@@ -1,9 +1,9 @@
 //! Edits of a spec's text, and the records and sensors that a fitted value belongs to.
 
 use crate::input::Input;
-use phisindy_learn::{FoundParameter, ParameterOf, SensorPart};
+use phisindy_learn::{FoundParameter, ParameterOf};
 use phisindy_phys::splice;
-use phisindy_phys::{Diagnostic, Record};
+use phisindy_phys::{Diagnostic, Record, SensorPart};
 
 /// A record and the records that continue it.
 pub(super) fn records_of(input: Input<'_>, owner: usize) -> impl Iterator<Item = usize> {

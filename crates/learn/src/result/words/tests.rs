@@ -1,8 +1,9 @@
 //! Every sentence as users know it: programs outside search them.
 
 use super::*;
-use crate::result::quantity::{RecordId, SensorPart};
+use crate::result::quantity::RecordId;
 use phisindy_phys::Note;
+use phisindy_phys::SensorPart;
 use phisindy_phys::spec::Optimiser;
 use phisindy_signal::{Differentiator, Smoothing};
 use phisindy_sim::SimError;

@@ -4,7 +4,7 @@
 use super::checker::Checker;
 use crate::system::constants::Value;
 use crate::system::equations::System;
-use crate::system::sensor::{SENSOR_PARAMETERS, Sensor, SensorParameter};
+use crate::system::sensor::{Sensor, SensorParameter, SensorPart};
 use crate::text::spec::{DataSpec, DeriveSpec, Number, SensorSpec, SensorValue, Spec, Text};
 use crate::units::unit::Unit;
 use phisindy_signal::{Differentiator, Interpolation};
@@ -65,11 +65,11 @@ impl Checker {
                 all[index].average = self.average(name, time, unit.as_ref(), index < system.columns());
             }
             let slots = [&sensor.offset, &sensor.gain, &sensor.delay, &sensor.clock, &sensor.lag];
-            for (which, value) in slots.into_iter().enumerate() {
+            for (part, value) in SensorPart::ALL.into_iter().zip(slots) {
                 let Some(value) = value else { continue };
                 let parameter = match value {
                     SensorValue::Number(x) => {
-                        if which == 1 && x.value == 0.0 {
+                        if part == SensorPart::Gain && x.value == 0.0 {
                             self.error("a gain of 0 shows nothing of what is measured", x.span, "")
                                 .help
                                 .push(
@@ -94,10 +94,10 @@ impl Checker {
                         }
                     }
                 };
-                if which + 1 == SENSOR_PARAMETERS {
+                if part == SensorPart::Lag {
                     self.lag(name, &parameter, index < system.columns());
                 }
-                *all[index].parameters_mut()[which] = parameter;
+                *all[index].parameters_mut()[part as usize] = parameter;
             }
         }
         let n = system.columns();

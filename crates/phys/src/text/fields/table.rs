@@ -256,7 +256,7 @@ group! { SENSOR = "a sensor", None;
     Field("gain", SENSOR_VALUE, "scale error", Is("1")),
     Field("delay", SENSOR_VALUE, "lateness", Is("0")),
     Field("clock", SENSOR_VALUE, "drift of the sensor's clock: `50e-6` if it loses 50 us in a second", Is("0")),
-    Field("lag", SENSOR_VALUE, "the time constant with which it follows, of a filter of first order that is faster than the motion; `lowpass` is one of any order and speed", Is("0")),
+    Field("lag", SENSOR_VALUE, "time constant of a filter of first order that is faster than the motion; for any order and speed: `lowpass`", Is("0")),
     Field("quantum", QUANTITY, "the step of the column, in SI or as `(0.1, \"mm\")`: no value is known better than `step/sqrt(12)`", Is("seen from the data")),
     Field("per", PER, "of a column of counts, how many make a unit: `(\"rev\", 4096)`, `(\"mm\", 200)`; the same as the unit `\"rev/4096\"`", Is("none")),
     Field("unwrap", TURN, "after how much the column begins anew, in SI: `\"2*pi\"`. Turns are counted from the first row that is read", Is("it does not")),
