@@ -102,29 +102,6 @@ fn friction(said: &Outcome) -> (f64, f64) {
     (number("coefficient"), number("std_error"))
 }
 
-/// What the user states of a sensor stays, also where the records ask for more.
-#[test]
-fn a_lag_that_is_stated_is_not_replaced() {
-    let (mut dice, all) = (Dice::new(7), times(5e3, 6.0));
-    let (mut shown, stays) = (0.0, (-2e-4_f64 / 3e-3).exp());
-    let mut text = "t_s,x_m,F_N\n".to_owned();
-    for (k, (t, x)) in all.iter().zip(places(&all)).enumerate() {
-        shown = x + (shown - x) * stays;
-        if k % 25 == 0 {
-            let _ = writeln!(text, "{t},{},{}", shown + 1e-5 * dice.normal(), push(*t));
-        }
-    }
-    let record = |sensors: &str| {
-        format!(
-            "Csv(path: \"slow.csv\", time: \"t_s\", columns: {{ \"x\": (\"x_m\", \"m\"), \"F\": (\"F_N\", \"N\") }}{sensors})"
-        )
-    };
-    let of = |sensors: &str| run("run", "stated-lag", &record(sensors), &[("slow.csv", &text)]);
-    let (free, stated) = (of(""), of(", sensors: { \"x\": (lag: 0.001) }"));
-    assert!(free.out.contains("\"x_lag\""), "{}", free.out);
-    assert!(!stated.out.contains("\"x_lag\""), "{}", stated.out);
-}
-
 #[test]
 fn each_stream_has_its_own_times() {
     let mut dice = Dice::new(1);

@@ -1,7 +1,7 @@
 //! Sensors that are late, by data that another integrator makes.
 #![allow(missing_docs)]
 
-use phisindy::{Case, Identified, Options, identify};
+use phisindy::{Case, Identified, Options, Record, identify};
 use std::f64::consts::TAU;
 
 const SLIDER: &str = r#"(constants: { "m": (2.0, "kg"), "k": Find(start: 700.0, unit: "N/m", within: (10.0, 1e4)), "c": Find(start: 3.0, unit: "N*s/m", within: (0.0, 100.0)) },
@@ -37,6 +37,11 @@ fn motion(seconds: usize) -> Vec<f64> {
 
 /// What is found of a motion that a sensor reads 100 times a second with noise of 2 %.
 fn found(read: &[f64]) -> Identified {
+    found_beside(read, |record| record)
+}
+
+/// The same where the record says more.
+fn found_beside(read: &[f64], with: impl Fn(Record) -> Record) -> Identified {
     let every = FINE / 100;
     let size = read.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
     let mut seed = 1_u64;
@@ -52,7 +57,7 @@ fn found(read: &[f64]) -> Identified {
     let force: Vec<f64> = t.iter().map(|&t| drive(t)).collect();
     let case = Case::read(SLIDER).expect("a spec");
     let record = case.record(&[("t", &t), ("x", &x), ("F", &force)]).expect("a record");
-    identify(&case, &[record], &Options::default()).expect("a result")
+    identify(&case, &[with(record)], &Options::default()).expect("a result")
 }
 
 /// Values of stiffness, damping, friction, each in standard errors from the truth.
@@ -90,7 +95,8 @@ fn what_a_sensor_is_late_by_is_found_beside_the_rest() {
         held = follow * held + (1.0 - follow) * x;
         held
     });
-    let found_slow = found(&slow.collect::<Vec<_>>());
+    let slow: Vec<f64> = slow.collect();
+    let found_slow = found(&slow);
     let lag = number(&found_slow, "x_lag").expect("a lag");
     assert!(told(&found_slow) && (TAU * 20.0 * lag - 1.0).abs() < 0.05, "{lag}");
     assert!(errors(&found_slow).iter().all(|e| *e < 3.0), "{:?}", errors(&found_slow));
@@ -98,4 +104,9 @@ fn what_a_sensor_is_late_by_is_found_beside_the_rest() {
     // What was found can be run again: the sensor stands in the text.
     let again = found_slow.case().expect("a case");
     assert!(again.text().contains("lag: \"x_lag\""));
+
+    // What the user states of a sensor stays, also where the records ask for more.
+    let stated = found_beside(&slow, |record| record.with("sensors", r#"{ "x": (lag: 0.003) }"#));
+    assert_eq!(number(&stated, "x_lag"), None);
+    assert!(stated.case().expect("a case").text().contains("lag: 0.003"));
 }
