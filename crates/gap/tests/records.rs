@@ -258,23 +258,6 @@ fn a_filter_of_the_sensors_is_named() {
     assert!(tau.0 < 6e-3 && tau.1 > 6e-3 && tau.1 - tau.0 < 1e-3, "{tau:?}");
 }
 
-/// On a linear rig a sensor that shows a tenth more is a drive that is a tenth stronger: no record tells the two apart, so they
-/// are one answer.
-#[test]
-fn two_names_of_one_motion_are_one_answer() {
-    let laws = [
-        ("input-gain", include_str!("../../phys/laws/input-gain.ron")),
-        ("sensor-gain", include_str!("../../phys/laws/sensor-gain.ron")),
-    ];
-    let catalogue = laws.map(|(id, law)| LawEntry::read(id, law).expect("a law"));
-    let said = found(&rig(["0", "0"]), &catalogue, |record| {
-        record.columns[0].iter_mut().flatten().for_each(|x| *x *= 1.1);
-    });
-    let [step] = &said.steps[..] else { panic!("{:?}", said.status) };
-    assert_eq!((said.status, step.effect.entry.id.as_str()), (Status::Explained, "sensor-gain"));
-    assert!(step.rivals.iter().any(|r| r.same && r.law() == "input-gain"), "{:?}", step.rivals);
-}
-
 /// Noise with heavy tails (Student's t, three degrees of freedom) on a speed that is read late.
 fn late_with_outliers(record: &mut Record, seed: u64) {
     for (k, size) in [(0, 0.037), (1, 0.064)] {

@@ -1,7 +1,7 @@
-//! Sensors that are late, by data that another integrator makes.
+//! Sensors that are late or show too much, by data that another integrator makes.
 #![allow(missing_docs)]
 
-use phisindy::{Case, Identified, Options, Record, identify};
+use phisindy::{Case, Identified, Options, Record, Status, gap, identify};
 use std::f64::consts::TAU;
 
 const SLIDER: &str = r#"(constants: { "m": (2.0, "kg"), "k": Find(start: 700.0, unit: "N/m", within: (10.0, 1e4)), "c": Find(start: 3.0, unit: "N*s/m", within: (0.0, 100.0)) },
@@ -17,8 +17,8 @@ fn drive(t: f64) -> f64 {
 }
 
 /// A slider of 2 kg by semi-implicit steps: its displacement, `FINE` values a second.
-fn motion(seconds: usize) -> Vec<f64> {
-    let (h, [k, c, friction]) = (1.0 / FINE as f64, TRUTH);
+fn motion(seconds: usize, [k, c, friction]: [f64; 3]) -> Vec<f64> {
+    let h = 1.0 / FINE as f64;
     let (mut x, mut v) = (0.01, 0.0_f64);
     let next = |i: usize| {
         let now = x;
@@ -35,13 +35,8 @@ fn motion(seconds: usize) -> Vec<f64> {
     (0..seconds * FINE).map(next).collect()
 }
 
-/// What is found of a motion that a sensor reads 100 times a second with noise of 2 %.
-fn found(read: &[f64]) -> Identified {
-    found_beside(read, |record| record)
-}
-
-/// The same where the record says more.
-fn found_beside(read: &[f64], with: impl Fn(Record) -> Record) -> Identified {
+/// A record of a motion that a sensor reads 100 times a second with this noise.
+fn record(case: &Case, read: &[f64], part: f64) -> Record {
     let every = FINE / 100;
     let size = read.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
     let mut seed = 1_u64;
@@ -50,14 +45,22 @@ fn found_beside(read: &[f64], with: impl Fn(Record) -> Record) -> Identified {
             seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             ((seed >> 11) as f64 + 0.5) / (1_u64 << 53) as f64
         };
-        0.01 * size * (-2.0 * unit().ln()).sqrt() * (TAU * unit()).cos()
+        part * size * (-2.0 * unit().ln()).sqrt() * (TAU * unit()).cos()
     };
     let x: Vec<f64> = read.iter().step_by(every).map(|x| x + noise()).collect();
     let t: Vec<f64> = (0..x.len()).map(|i| i as f64 / 100.0).collect();
     let force: Vec<f64> = t.iter().map(|&t| drive(t)).collect();
+    case.record(&[("t", &t), ("x", &x), ("F", &force)]).expect("a record")
+}
+
+/// What is found of a motion, where the record says more.
+fn found_beside(read: &[f64], with: impl Fn(Record) -> Record) -> Identified {
     let case = Case::read(SLIDER).expect("a spec");
-    let record = case.record(&[("t", &t), ("x", &x), ("F", &force)]).expect("a record");
-    identify(&case, &[with(record)], &Options::default()).expect("a result")
+    identify(&case, &[with(record(&case, read, 0.01))], &Options::default()).expect("a result")
+}
+
+fn found(read: &[f64]) -> Identified {
+    found_beside(read, |record| record)
 }
 
 /// Values of stiffness, damping, friction, each in standard errors from the truth.
@@ -78,7 +81,7 @@ fn told(found: &Identified) -> bool {
 
 #[test]
 fn what_a_sensor_is_late_by_is_found_beside_the_rest() {
-    let x = motion(5);
+    let x = motion(5, TRUTH);
     let good = found(&x);
     assert!(!told(&good) && good.parameters().len() == 2, "{:?}", good.warnings());
 
@@ -109,4 +112,18 @@ fn what_a_sensor_is_late_by_is_found_beside_the_rest() {
     let stated = found_beside(&slow, |record| record.with("sensors", r#"{ "x": (lag: 0.003) }"#));
     assert_eq!(number(&stated, "x_lag"), None);
     assert!(stated.case().expect("a case").text().contains("lag: 0.003"));
+}
+
+/// On a linear rig a sensor that shows a tenth more is a drive that is a tenth stronger: no record tells the two apart, so they
+/// are one answer.
+#[test]
+fn two_names_of_one_motion_are_one_answer() {
+    let linear = r#"(constants: { "m": (2.0, "kg"), "k": (800.0, "N/m"), "c": (1.5, "N*s/m") }, states: { "x": "m", "v": "m/s" },
+        inputs: { "F": "N" }, known: { "x": "v", "v": "(F - k*x - c*v)/m" }, inertia: { "v": "m" }, unknown: {})"#;
+    let case = Case::read(linear).expect("a spec");
+    let much: Vec<f64> = motion(5, [800.0, 1.5, 0.0]).iter().map(|x| 1.1 * x).collect();
+    let said = gap(&case, &[record(&case, &much, 0.01)], &Options::default()).expect("a result");
+    let [step] = said.steps() else { panic!("{}", said.status().name()) };
+    assert_eq!((said.status(), step.effect.entry.id.as_str()), (Status::Explained, "sensor-gain"));
+    assert!(step.rivals.iter().any(|r| r.same && r.law() == "input-gain"), "{:?}", step.rivals);
 }
