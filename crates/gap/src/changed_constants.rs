@@ -2,7 +2,7 @@
 //! that is believed complete then needs no law, but another number.
 
 use crate::decisions::{CHANGES_KEPT, CONSTANT_OFF, MOST_CHANGED, RACE, SIMPLER, SUBSTANTIAL, WORTH};
-use crate::model::{Fitted, Measure, TrialModel};
+use crate::model::{Applied, Fitted, Measure, TrialModel};
 use crate::place::{Effect, Place, Site};
 use crate::result::{Activity, Rival, StopReason};
 use crate::search::{Search, Searched, rival, round_from};
@@ -140,8 +140,9 @@ fn other_kinds(searched: &Searched, changed: &Fitted, constants: usize) -> Vec<R
         let mut laws = r.model.iter().flat_map(|m| m.effects.iter().map(|a| &a.effect.entry.law));
         laws.any(|law| is_other_than_a_number(law))
     };
-    // More of a law that the model has is that law with another number.
-    let same = is_same_force(last.score.fit, changed.score.fit);
+    // More of a law that the model has is that law with another number; a sensor or an input is another cause.
+    let force = |a: &Applied| a.effect.entry.law.sensor.is_none() && a.effect.entry.law.input.is_none();
+    let same = is_same_force(last.score.fit, changed.score.fit) && last.model.effects.iter().all(force);
     let all = round.rivals.iter().cloned().chain((!same).then(|| rival(last, 0, 0.0)));
     all.filter(other).map(|r| Rival { delta_bic: r.delta_bic + behind, ..r }).collect()
 }

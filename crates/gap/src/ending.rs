@@ -12,8 +12,8 @@ use crate::drive_frequency::drive_frequency;
 use crate::formula::{DISCOVERED, expansion};
 use crate::input_interpolation::{Redrawn, beyond_noise, coarse_inputs, redrawn};
 use crate::model::{
-    Applied, ColumnError, Fitted, Measure, TrialModel, current, expression, probability_beside, text_with,
-    values,
+    Applied, ColumnError, Fitted, Measure, TrialModel, current, expression, most_apart_beforehand,
+    probability_beside, text_with, values,
 };
 use crate::none_of_these::probability as probability_of_none;
 use crate::other_causes::{causes, input_noise};
@@ -495,8 +495,11 @@ impl<'s, 'a> Ending<'s, 'a> {
         let Ending { last, noise, rounds, candidates, .. } = self;
         let kept = rounds.iter_mut().filter(|round| round.before < last.model.effects.len());
         let Some(round) = kept.max_by_key(|round| round.before) else { return };
+        // What no record tells apart is one answer whatever is more plausible beforehand.
+        let beforehand = most_apart_beforehand(*candidates);
         let compared = |mut rival: Rival| {
-            let Some(model) = rival.model.as_deref().filter(|_| rival.delta_bic < WORTH) else {
+            let near = rival.delta_bic < WORTH + beforehand;
+            let Some(model) = rival.model.as_deref().filter(|_| near) else {
                 return Some((rival, None));
             };
             let Ok(fitted) = Fitted::new(model.clone(), noise, Effort::Thorough) else {

@@ -16,7 +16,7 @@ pub(crate) use input_error::ColumnError;
 pub(crate) use records::{noise_of, shortened};
 #[cfg(test)]
 pub(crate) use score::tests;
-pub(crate) use score::{Measure, Score, is_sure, probability_beside};
+pub(crate) use score::{Measure, Score, is_sure, most_apart_beforehand, probability_beside};
 pub use spec_text::SpecTextError;
 pub(crate) use spec_text::{expression, text_with};
 pub use trial_model::{Applied, TrialModel};

@@ -107,6 +107,11 @@ impl Score {
     }
 }
 
+/// By how much the criteria of two models of one cause each may differ for what they cost beforehand alone.
+pub(crate) fn most_apart_beforehand(candidates: usize) -> f64 {
+    2.0 * ln_choose(candidates, 1) + SENSOR_PRICE.max(INPUT_PRICE)
+}
+
 /// ln of the binomial coefficient.
 fn ln_choose(n: usize, k: usize) -> f64 {
     (0..k.min(n)).map(|i| ((n - i) as f64 / (i + 1) as f64).ln()).sum()

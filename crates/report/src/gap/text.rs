@@ -178,7 +178,7 @@ fn moved(found: &Gap) -> Vec<String> {
 
 /// Laws that fit nearly as well, each with the measurement that would decide.
 pub(crate) fn rivals(s: &Step, catalogue: &[LawEntry]) -> Vec<(String, Option<String>)> {
-    let near = s.rivals.iter().filter(|r| r.delta_bic < 10.0);
+    let near = s.rivals.iter().filter(|r| r.same || r.delta_bic < 10.0);
     let said = near.map(|r| {
         // A richer description may fit better and still not be preferred: its gain does not carry over to
         // unused data.
