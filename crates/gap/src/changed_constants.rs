@@ -5,7 +5,7 @@ use crate::decisions::{CHANGES_KEPT, CONSTANT_OFF, MOST_CHANGED, RACE, SIMPLER, 
 use crate::model::{Applied, Fitted, Measure, TrialModel};
 use crate::place::{Effect, Place, Site};
 use crate::result::{Activity, Rival, StopReason};
-use crate::search::{Search, Searched, rival, round_from};
+use crate::search::{Round, Search, Searched, rival, round_from};
 use phisindy_learn::{Effort, SegmentFit};
 use phisindy_phys::spec::{ConstantSpec, Spec, Text};
 use phisindy_phys::unit::Unit;
@@ -65,7 +65,7 @@ impl Search<'_> {
         let mut fits = asked.fits;
         let changed = fits.remove(0);
         let mut round = round_from(0, base, &changed, &fits, vec![], *candidates);
-        round.rivals.extend(other_kinds(&searched, &changed, asked.all));
+        round.rivals.extend(other_kinds((last, &searched.rounds, *candidates), &changed, asked.all));
         let rounds = vec![round];
         (Searched { last: changed, rounds, stop: StopReason::White, needed: vec![], ..searched }, alone)
     }
@@ -130,11 +130,15 @@ pub(crate) fn changed_constants(of: &Fitted, noise: &[Vec<f64>]) -> ChangedConst
     ChangedConstants { all: all.len(), fits: nearest }
 }
 
-/// The laws of a search of one round as rivals of a model with changed constants. `constants` is the number of constants that
-/// could have changed.
-fn other_kinds(searched: &Searched, changed: &Fitted, constants: usize) -> Vec<Rival> {
-    let (last, [round]) = (&searched.last, &searched.rounds[..]) else { return vec![] };
-    let by = Measure::of([&changed.score, &last.score], searched.candidates);
+/// The laws of a search of one round, which ended with `last`, as rivals of a model with changed constants. `constants` is the
+/// number of constants that could have changed.
+pub(crate) fn other_kinds(
+    (last, rounds, candidates): (&Fitted, &[Round], usize),
+    changed: &Fitted,
+    constants: usize,
+) -> Vec<Rival> {
+    let [round] = rounds else { return vec![] };
+    let by = Measure::of([&changed.score, &last.score], candidates);
     let behind = by.criterion(&last.score) - by.among(constants).criterion(&changed.score);
     let other = |r: &Rival| {
         let mut laws = r.model.iter().flat_map(|m| m.effects.iter().map(|a| &a.effect.entry.law));

@@ -1,7 +1,7 @@
 //! Noise that is larger than the columns tell, or has a colour: where it is all that is left, nothing else is missing.
 
 use super::Ending;
-use crate::changed_constants::{ChangedConstants, is_finding};
+use crate::changed_constants::{ChangedConstants, is_finding, other_kinds};
 use crate::decisions::{CHANCE, WORTH};
 use crate::hum::evidence_of_hum;
 use crate::model::{Fitted, Measure, TrialModel, current, measured};
@@ -53,8 +53,8 @@ impl Ending<'_, '_> {
             .filter(|n| *n == 0 || searched[*n].follows())
             .min_by(|a, b| criterion(a).total_cmp(&criterion(b)));
         let Some(n) = best.filter(|_| !self.interrupted()) else { return Ok(None) };
-        if let Some(changed) = self.changed_constants_instead(&searched[n])? {
-            return Ok(Some((Status::Explained, changed)));
+        if self.changed_constants_instead(&searched[n])? {
+            return Ok(Some(self.beside_near_rivals()));
         }
         let way = searched[..=n].to_vec();
         let Some((less, found)) = self.without_force_or_hum(&way) else { return Ok(None) };
@@ -70,6 +70,11 @@ impl Ending<'_, '_> {
         if dropped {
             self.forget_forces_of_time(&whole);
         }
+        Ok(Some(self.beside_near_rivals()))
+    }
+
+    /// The status of the final model beside its near rivals, and the number of its effects.
+    fn beside_near_rivals(&mut self) -> (Status, usize) {
         self.compare_near_rivals();
         let n = self.last.model.effects.len();
         let status = match n {
@@ -77,7 +82,7 @@ impl Ending<'_, '_> {
             _ if (0..n).all(|k| self.step(k).is_sure()) => Status::Explained,
             _ => Status::Undetermined,
         };
-        Ok(Some((status, n)))
+        (status, n)
     }
 
     /// Whether no force is left beside the last model of `way`, or beside it without its forces of time. Gives the way to the
@@ -134,20 +139,25 @@ impl Ending<'_, '_> {
     }
 
     /// Takes the nearest model with changed constants, where it says more than the best of the search and needs no force;
-    /// returns how many there are.
-    fn changed_constants_instead(&mut self, best: &Fitted) -> Result<Option<usize>, GapError> {
+    /// whether it did. The laws of the search are its rivals.
+    fn changed_constants_instead(&mut self, best: &Fitted) -> Result<bool, GapError> {
         let nearest = self.changed.as_ref().and_then(ChangedConstants::nearest);
         let Some((effects, all)) = nearest.map(|(fitted, all)| (current(fitted), all)) else {
-            return Ok(None);
+            return Ok(false);
         };
         let changed = self.base.model.with_all(&effects).ok();
         let changed = changed.and_then(|model| Fitted::new(model, &self.noise, Effort::Plain).ok());
         let says_more =
             |f: &Fitted| is_finding(f, all, best, self.candidates) && self.is_sure_beside_laws(f, all);
-        match changed.filter(|f| says_more(f) && self.without_force(f).is_some()) {
-            Some(changed) => self.instead(changed, &[]),
-            None => Ok(None),
+        let Some(changed) = changed.filter(|f| says_more(f) && self.without_force(f).is_some()) else {
+            return Ok(false);
+        };
+        let rivals = other_kinds((best, &self.rounds, self.candidates), &changed, all);
+        let taken = self.instead(changed, &[])?.is_some();
+        if taken {
+            self.rounds[0].rivals.extend(rivals);
         }
+        Ok(taken)
     }
 
     /// Drops the forces of time if they are hum. They are if no force is left without them, or if tones in the sensors describe

@@ -181,6 +181,8 @@ struct RivalOut {
     at: String,
     delta_bic: f64,
     law: String,
+    /// Whether no record tells it from the answer.
+    same: bool,
 }
 
 #[derive(Serialize)]
@@ -319,7 +321,8 @@ fn step<'a>(found: &'a Gap, s: &'a Step) -> StepOut<'a> {
         };
         (p.name.as_str(), out)
     });
-    let rivals = s.rivals.iter().map(|r| RivalOut { at: r.at(), delta_bic: r.delta_bic, law: r.law() });
+    let rivals = s.rivals.iter();
+    let rivals = rivals.map(|r| RivalOut { at: r.at(), delta_bic: r.delta_bic, law: r.law(), same: r.same });
     let nearest = nearest(found, s).map(|t| NearestOut { at: &t.at.at, gap: t.gap, law: &t.at.law });
     StepOut {
         at: &s.effect.place.at,

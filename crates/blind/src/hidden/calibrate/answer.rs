@@ -4,6 +4,9 @@
 //! records: those of [`Truth::alternatives`]. For a force of no catalogue it is also any set of named laws that holds all but
 //! 5 % of what is missing along the record not used, with the numbers that were found.
 //! * A named law at its place is right if a description has it.
+//! * Where one law at its place is found, another one that the records cannot tell from it is that answer too.
+//! * Pushes are right if their times in each record hold a pulse of no catalogue from half of its height on, and none acts beside
+//!   it.
 //! * A formula (`described`) is right if its forces hold all but 10 % of what is missing there.
 //! * "None of these" is right where what was found is no description and something is hidden.
 //! * A verdict with exit 0 is right if its laws are a description (`named`: a part of one), and no interval of a number misses by
@@ -62,7 +65,12 @@ pub(super) fn answer(truth: &Truth, result: &Value, error: Option<f64>) -> Answe
         .map(|set| sorted(set))
         .chain(near.then(|| named.clone()))
         .collect();
-    let whole = if hides { descriptions.contains(&named) } else { named.is_empty() };
+    let same = |d: &Vec<(String, String)>| {
+        let [step] = &all[..] else { return false };
+        let rivals = step["rivals"].as_array().into_iter().flatten().filter(|r| r["same"] == true);
+        rivals.map(|rival| sorted(&[placed(rival)])).any(|rival| rival == *d)
+    };
+    let whole = if hides { descriptions.iter().any(|d| *d == named || same(d)) } else { named.is_empty() };
     let part = !named.is_empty() && descriptions.iter().any(|d| named.iter().all(|n| d.contains(n)));
     let holds = error.is_some_and(|error| error <= WRONG);
     let standing = match mark.status.as_str() {
@@ -71,14 +79,15 @@ pub(super) fn answer(truth: &Truth, result: &Value, error: Option<f64>) -> Answe
         _ if mark.far => Standing::Wrong,
         "nothing-missing" if !hides => Standing::Right,
         "explained" if hides && whole => Standing::Right,
-        "named" if part => Standing::Right,
+        "named" if part || holds_pulse(truth, result) => Standing::Right,
         "described" if holds => Standing::Right,
         _ => Standing::Wrong,
     };
     let said = |step: &Value| {
         let law = &sorted(&[placed(step)])[0];
         let formula = step["law"] == "discovered";
-        let right = if formula { holds } else { descriptions.iter().any(|d| d.contains(law)) };
+        let one = |d: &Vec<(String, String)>| d.contains(law) || same(d);
+        let right = if formula { holds } else { descriptions.iter().any(one) };
         Some(Said { probability: step["probability"].as_f64()?, right })
     };
     let none = result["none"].as_f64().filter(|_| mark.verdict != Verdict::Failed);
@@ -86,6 +95,26 @@ pub(super) fn answer(truth: &Truth, result: &Value, error: Option<f64>) -> Answe
     let laws =
         if standing == Standing::Failed { vec![] } else { all.iter().filter_map(|s| said(s)).collect() };
     Answer { standing, whole, mark, laws, none, error }
+}
+
+/// Whether the pushes of an answer are a pulse that is hidden.
+fn holds_pulse(truth: &Truth, result: &Value) -> bool {
+    let [pulse] = &truth.effects[..] else { return false };
+    let number = |name: &str| pulse.parameters.get(name).copied();
+    let (Some(at), Some(width), "pulse-force") = (number("T"), number("s"), pulse.law.as_str()) else {
+        return false;
+    };
+    // exp(-z^2) is one half.
+    let half = width * 2.0_f64.ln().sqrt();
+    let mut records = result["records"].as_array().into_iter().flatten();
+    let pushes: Vec<&Value> = result["pushes"].as_array().into_iter().flatten().collect();
+    let (from, to) = (|p: &Value| p["from"].as_f64(), |p: &Value| p["to"].as_f64());
+    let in_it = |p: &&Value| from(p) <= Some(at - half) && to(p) >= Some(at + half);
+    let beside = |p: &&Value| to(p) < Some(at - 3.0 * width) || from(p) > Some(at + 3.0 * width);
+    let here = |p: &&Value| p["at"] == pulse.at.as_str();
+    records.all(|r| pushes.iter().any(|p| p["record"] == r["record"] && in_it(p)))
+        && !pushes.is_empty()
+        && pushes.iter().all(|p| here(p) && !beside(p))
 }
 
 /// What is hidden, in tables.
