@@ -16,28 +16,32 @@ fn drive(t: f64) -> f64 {
     6.0 * (12.3 * t).cos() + 4.0 * (27.1 * t + 1.0).cos()
 }
 
-/// A slider of 2 kg by semi-implicit steps: its displacement, `FINE` values a second.
+/// A slider of 2 kg by the midpoint rule, in two parts where it stops within a step: its displacement, `FINE` values
+/// a second.
 fn motion(seconds: usize, [k, c, friction]: [f64; 3]) -> Vec<f64> {
-    let h = 1.0 / FINE as f64;
     let (mut x, mut v) = (0.01, 0.0_f64);
     let next = |i: usize| {
         let now = x;
-        let force = drive(i as f64 * h) - k * x - c * v;
-        if v != 0.0 || force.abs() > friction {
+        let (mut t, mut left) = (i as f64 / FINE as f64, 1.0 / FINE as f64);
+        while left > 0.0 {
+            let force = drive(t + 0.5 * left) - k * (x + 0.5 * left * v) - c * v;
             let way = if v == 0.0 { force.signum() } else { v.signum() };
-            let new = v + h * (force - friction * way) / 2.0;
-            let new = if v * new < 0.0 { 0.0 } else { new };
-            x += 0.5 * h * (v + new);
-            v = new;
+            let holds = v == 0.0 && force.abs() <= friction;
+            let slope = if holds { 0.0 } else { (force - friction * way) / (2.0 + 0.5 * left * c) };
+            let stops = v != 0.0 && v * (v + left * slope) < 0.0;
+            let step = if stops { -v / slope } else { left };
+            x += step * (v + 0.5 * step * slope);
+            v = if stops { 0.0 } else { v + step * slope };
+            (t, left) = (t + step, if stops { left - step } else { 0.0 });
         }
         now
     };
     (0..seconds * FINE).map(next).collect()
 }
 
-/// A record of a motion that a sensor reads 100 times a second with this noise.
-fn record(case: &Case, read: &[f64], part: f64) -> Record {
-    let every = FINE / 100;
+/// A record of a motion that a sensor reads so often a second with this noise.
+fn record(case: &Case, read: &[f64], rate: usize, part: f64) -> Record {
+    let every = FINE / rate;
     let size = read.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
     let mut seed = 1_u64;
     let mut noise = || {
@@ -48,19 +52,19 @@ fn record(case: &Case, read: &[f64], part: f64) -> Record {
         part * size * (-2.0 * unit().ln()).sqrt() * (TAU * unit()).cos()
     };
     let x: Vec<f64> = read.iter().step_by(every).map(|x| x + noise()).collect();
-    let t: Vec<f64> = (0..x.len()).map(|i| i as f64 / 100.0).collect();
+    let t: Vec<f64> = (0..x.len()).map(|i| i as f64 / rate as f64).collect();
     let force: Vec<f64> = t.iter().map(|&t| drive(t)).collect();
     case.record(&[("t", &t), ("x", &x), ("F", &force)]).expect("a record")
 }
 
-/// What is found of a motion, where the record says more.
-fn found_beside(read: &[f64], with: impl Fn(Record) -> Record) -> Identified {
+/// What is found of a motion that is read so often a second with this noise, where the record says more.
+fn found_in(read: &[f64], rate: usize, noise: f64, with: impl Fn(Record) -> Record) -> Identified {
     let case = Case::read(SLIDER).expect("a spec");
-    identify(&case, &[with(record(&case, read, 0.01))], &Options::default()).expect("a result")
+    identify(&case, &[with(record(&case, read, rate, noise))], &Options::default()).expect("a result")
 }
 
 fn found(read: &[f64]) -> Identified {
-    found_beside(read, |record| record)
+    found_in(read, 100, 0.01, |record| record)
 }
 
 /// Values of stiffness, damping, friction, each in standard errors from the truth.
@@ -91,11 +95,13 @@ fn what_a_sensor_is_late_by_is_found_beside_the_rest() {
     assert!(told(&found_late) && (delay - 0.005).abs() < 3e-4, "{delay}");
     assert!(errors(&found_late).iter().all(|e| *e < 3.0), "{:?}", errors(&found_late));
 
-    // A low-pass is one: its lag is found, not a delay.
-    let mut held = x[0];
-    let follow = (-TAU * 20.0 / FINE as f64).exp();
+    // A low-pass is one, exact along straight lines: its lag is found, not a delay.
+    let (mut held, mut before) = (x[0], x[0]);
+    let (follow, tau) = ((-TAU * 20.0 / FINE as f64).exp(), FINE as f64 / (TAU * 20.0));
     let slow = x.iter().map(|x| {
-        held = follow * held + (1.0 - follow) * x;
+        let behind = tau * (x - before);
+        held = x - behind + (held - before + behind) * follow;
+        before = *x;
         held
     });
     let slow: Vec<f64> = slow.collect();
@@ -104,12 +110,21 @@ fn what_a_sensor_is_late_by_is_found_beside_the_rest() {
     assert!(told(&found_slow) && (TAU * 20.0 * lag - 1.0).abs() < 0.05, "{lag}");
     assert!(errors(&found_slow).iter().all(|e| *e < 3.0), "{:?}", errors(&found_slow));
 
+    // Also where the noise is below a thousandth of the motion.
+    let fine = found_in(&slow, 500, 6e-5, |record| record);
+    let lag = number(&fine, "x_lag").expect("a lag");
+    assert!(
+        (TAU * 20.0 * lag - 1.0).abs() < 0.005 && errors(&fine).iter().all(|e| *e < 3.0),
+        "{lag} {:?}",
+        errors(&fine)
+    );
+
     // What was found can be run again: the sensor stands in the text.
     let again = found_slow.case().expect("a case");
     assert!(again.text().contains("lag: \"x_lag\""));
 
     // What the user states of a sensor stays, also where the records ask for more.
-    let stated = found_beside(&slow, |record| record.with("sensors", r#"{ "x": (lag: 0.003) }"#));
+    let stated = found_in(&slow, 100, 0.01, |record| record.with("sensors", r#"{ "x": (lag: 0.003) }"#));
     assert_eq!(number(&stated, "x_lag"), None);
     assert!(stated.case().expect("a case").text().contains("lag: 0.003"));
 }
@@ -125,7 +140,7 @@ fn names_of_one_motion_are_one_answer() {
         );
         let case = Case::read(&text).expect("a spec");
         let much: Vec<f64> = motion(5, [800.0, 1.5, 0.0]).iter().map(|x| 1.1 * x).collect();
-        let said = gap(&case, &[record(&case, &much, 0.01)], &Options::default()).expect("a result");
+        let said = gap(&case, &[record(&case, &much, 100, 0.01)], &Options::default()).expect("a result");
         let [step] = said.steps() else { panic!("{}", said.status().name()) };
         let same = step.rivals.iter().filter(|r| r.same).map(|r| r.law().to_owned());
         let mut same: Vec<String> = same.collect();
