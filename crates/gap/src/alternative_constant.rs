@@ -3,7 +3,9 @@
 //! the constant that would explain the data as well.
 
 use crate::changed_constants::changeable;
-use crate::decisions::{CONSTANTS_FITTED, CONSTANTS_SCREENED, FITTED_IN_FULL, RACE, SIMPLER, WORTH};
+use crate::decisions::{
+    CONSTANTS_FITTED, CONSTANTS_SCREENED, FITTED_IN_FULL, NEAR_NOISE, RACE, SIMPLER, WORTH,
+};
 use crate::evidence::stands;
 use crate::model::{Fitted, Measure, TrialModel, current};
 use crate::place::{Effect, Site};
@@ -121,8 +123,13 @@ fn lowest_cost<'c>(
     costed.truncate(CONSTANTS_FITTED);
     costed
         .into_par_iter()
-        .filter_map(|(_, constant, model)| Some((constant, Fitted::new(model, noise, Effort::Plain).ok()?)))
+        .filter_map(|(_, constant, model)| Some((constant, Fitted::new(model, noise, near_noise()).ok()?)))
         .collect()
+}
+
+/// Only what leaves little more than noise is of interest.
+fn near_noise() -> Effort {
+    Effort::Rival { most: NEAR_NOISE.powi(2), runs: false }
 }
 
 /// The fitted parameters of the effects of a model.
@@ -163,7 +170,7 @@ fn screened_with<'c>(
     let models: Vec<(&Effect, TrialModel)> = alone.iter().filter_map(beside).flatten().collect();
     models
         .into_par_iter()
-        .filter_map(|(c, model)| Some((c, Fitted::new(model, noise, Effort::Plain).ok()?)))
+        .filter_map(|(c, model)| Some((c, Fitted::new(model, noise, near_noise()).ok()?)))
         .collect()
 }
 

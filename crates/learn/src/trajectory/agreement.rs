@@ -140,7 +140,7 @@ fn refitted(
         return None;
     }
     for k in (0..x.len()).filter(|k| !moving.contains(k)) {
-        problem.bounds[k] = (x[k], x[k]);
+        problem.hold(k, x[k]);
     }
     let normal = problem.minimise(&mut x, weights, Limits::of(AGREEMENT_MINIMUM)).ok()?;
     let residuals = problem.residuals(&x).ok()?;

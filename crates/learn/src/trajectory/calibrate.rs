@@ -90,7 +90,8 @@ pub fn calibrate_from(
         }
         other => other,
     };
-    let (Stage { problem, mut x, hopeless, .. }, segmented) = match stages(system, &setup, effort, samples) {
+    let (Stage { problem, mut x, cost, hopeless }, segmented) = match stages(system, &setup, effort, samples)
+    {
         Ok(ends) => ends,
         // No single run can be simulated: fit segments instead.
         Err(_) if effort != Effort::Plain => {
@@ -100,12 +101,12 @@ pub fn calibrate_from(
     };
     let weights = problem.weights(&setup.noise, None);
     if problem.segments.len() == setup.fitted.len() && !hopeless {
+        let mut best = Best { problem: &problem, weights: &weights, samples, most: setup.most, x, cost };
         match effort {
-            Effort::Plain | Effort::Rival { .. } => {
-                from_other_starts(&setup, &problem, &mut x, &weights, samples, segmented);
-            }
-            Effort::Thorough | Effort::Errors => from_nearby(&problem, &mut x, &weights, samples),
+            Effort::Plain | Effort::Rival { .. } => best.from_other_starts(&setup, segmented),
+            Effort::Thorough | Effort::Errors => best.from_nearby(),
         }
+        x = best.x;
     }
     let (fit, chi2) = finished(problem, x, weights, &setup)?;
     let unknowns = Unknowns::new(system, records, &fit);
@@ -163,34 +164,65 @@ fn stages<'a>(
     best.map(|best| (best, before)).ok_or_else(|| trouble.expect("a fit without a stage has failed in one"))
 }
 
-/// Tries other starts of single runs: where the spec starts, where the smoothed motion starts, and, if the
-/// fit still misses, from segments in smaller steps.
-fn from_other_starts(
-    setup: &Setup<'_>,
-    problem: &Problem<'_>,
-    x: &mut Vec<f64>,
-    weights: &[Vec<Vec<f64>>],
+/// The best end of the fits of single runs so far.
+struct Best<'p, 'a> {
+    problem: &'p Problem<'a>,
+    weights: &'p [Vec<Vec<f64>>],
     samples: usize,
-    segmented: Option<Stage<'_>>,
-) {
-    // The start of the spec may be better than the end of the segments: after an earlier fit it is.
-    try_start(problem, x, weights, samples, problem.guess(&[], None, &setup.smooth));
-    if let Some(start) = on_the_data(problem, x, &setup.noise, &setup.smooth) {
-        try_start(problem, x, weights, samples, start);
-    }
-    let misses = problem.cost(x, weights).is_ok_and(|cost| cost > MISFIT * samples as f64);
-    let joined = segmented.filter(|_| misses).and_then(|s| step_by_step(problem.system, setup, samples, s));
-    if let Some(start) = joined {
-        try_start(problem, x, weights, samples, start);
-    }
+    /// The cost below which a start is asked for more than a few steps; infinite where nothing is ahead.
+    most: f64,
+    x: Vec<f64>,
+    cost: f64,
 }
 
-/// Tries starts near the end of a fit, as long as the fit leaves more than noise.
-fn from_nearby(problem: &Problem<'_>, x: &mut Vec<f64>, weights: &[Vec<Vec<f64>>], samples: usize) {
-    for attempt in 0..RESTARTS {
-        match nearby(problem, x, weights, samples, attempt) {
-            Some(start) => try_start(problem, x, weights, samples, start),
-            None => break,
+impl Best<'_, '_> {
+    /// Whether it leaves no more than noise.
+    fn is_at_noise(&self) -> bool {
+        self.cost < MISFIT * self.samples as f64
+    }
+
+    /// Tries other starts: where the spec starts, where the smoothed motion starts, and, if the fit still misses, from
+    /// segments in smaller steps.
+    fn from_other_starts(&mut self, setup: &Setup<'_>, segmented: Option<Stage<'_>>) {
+        // The start of the spec may be better than the end of the segments: after an earlier fit it is.
+        self.try_start(self.problem.guess(&[], None, &setup.smooth));
+        if let Some(start) = on_the_data(self.problem, &self.x, &setup.noise, &setup.smooth) {
+            self.try_start(start);
+        }
+        let misses = !self.is_at_noise();
+        let joined = segmented.filter(|_| misses);
+        if let Some(start) = joined.and_then(|s| step_by_step(self.problem.system, setup, self.samples, s)) {
+            self.try_start(start);
+        }
+    }
+
+    /// Tries starts near the end of a fit, as long as the fit leaves more than noise.
+    fn from_nearby(&mut self) {
+        for attempt in 0..RESTARTS {
+            match nearby(self.problem, &self.x, self.weights, self.samples, attempt) {
+                Some(start) => self.try_start(start),
+                None => break,
+            }
+        }
+    }
+
+    /// Fits from another start and keeps the better end; skips starts that cost more than [`RESTART_PROMISE`] times the
+    /// current fit. A run through stops has local minima: with one stop more or less the cost jumps.
+    fn try_start(&mut self, start: Vec<f64>) {
+        let problem = self.problem;
+        if problem.stop.requested() || self.is_at_noise() {
+            return;
+        }
+        let promising = |there: f64| there < RESTART_PROMISE * self.cost;
+        if !problem.cost(&start, self.weights).is_ok_and(promising) {
+            return;
+        }
+        let mut other = start;
+        let limits = Limits { far: far(self.samples), hopeless: self.most, ..Limits::of(RESTART_MINIMUM) };
+        if let Ok(end) = problem.minimise(&mut other, self.weights, limits)
+            && end.cost < self.cost
+        {
+            (self.x, self.cost) = (other, end.cost);
         }
     }
 }
@@ -340,34 +372,6 @@ pub const RESTART_RANGE: std::ops::Range<f64> = MISFIT..WRONG_MODEL;
 /// Above this cost a fit ends at smaller gains: the model is wrong, and more digits do not help.
 fn far(samples: usize) -> (f64, f64) {
     (WRONG_MODEL * samples as f64, FAR_GAIN)
-}
-
-/// Fits from another start and keeps the better end; skips starts that cost more than [`RESTART_PROMISE`]
-/// times the current fit. A run through stops has local minima: with one stop more or less the cost jumps.
-fn try_start(
-    problem: &Problem<'_>,
-    x: &mut Vec<f64>,
-    weights: &[Vec<Vec<f64>>],
-    samples: usize,
-    start: Vec<f64>,
-) {
-    if problem.stop.requested() {
-        return;
-    }
-    let Ok(now) = problem.cost(x, weights) else { return };
-    if now < MISFIT * samples as f64 {
-        return;
-    }
-    let mut other = start;
-    match problem.cost(&other, weights) {
-        Ok(there) if there < RESTART_PROMISE * now => {}
-        _ => return,
-    }
-    let limits = Limits { far: far(samples), ..Limits::of(RESTART_MINIMUM) };
-    let end = problem.minimise(&mut other, weights, limits);
-    if end.is_ok_and(|end| end.cost < now) {
-        *x = other;
-    }
 }
 
 /// The unknowns with start states from the smoothed motion, if the fitted ones are far from it: they may stem

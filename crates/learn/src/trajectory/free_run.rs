@@ -292,7 +292,7 @@ fn started<'a>(
     let validated = record.role == Role::Validate;
     for (k, meaning) in problem.meanings().into_iter().enumerate() {
         if meaning != Meaning::Start && !(validated && is_own(&meaning)) {
-            problem.bounds[k] = (x[k], x[k]);
+            problem.hold(k, x[k]);
         }
     }
     if validated {

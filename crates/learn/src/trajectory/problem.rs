@@ -235,6 +235,15 @@ impl<'a> Problem<'a> {
         }
     }
 
+    /// Holds an unknown at a value: it moves no more, and runs have no derivatives by it. Of start states it is the bounds
+    /// alone that hold them.
+    pub(crate) fn hold(&mut self, k: usize, value: f64) {
+        self.bounds[k] = (value, value);
+        let sensors = self.sensors.iter_mut().flatten().flatten();
+        let own = |source: &&mut Source| **source == Source::Unknown(k);
+        self.model.iter_mut().flatten().chain(sensors).filter(own).for_each(|s| *s = Source::Number(value));
+    }
+
     /// How many parameters of a record's run are unknown.
     pub(crate) fn free_parameters(&self, record: usize) -> usize {
         self.sources(record).filter(|s| matches!(s, Source::Unknown(_))).count()

@@ -196,9 +196,10 @@ fn the_better_of_two_ends_is_kept() {
     let weights = problem.weights(&noise, None);
     let cost = |x: &[f64]| problem.normal(x, &weights).unwrap().cost;
     let after = |from: [f64; 2], start: [f64; 2]| {
-        let mut x = from.to_vec();
-        try_start(&problem, &mut x, &weights, SAMPLES, start.to_vec());
-        x
+        let (x, cost, most) = (from.to_vec(), cost(&from), f64::INFINITY);
+        let mut best = Best { problem: &problem, weights: &weights, samples: SAMPLES, most, x, cost };
+        best.try_start(start.to_vec());
+        best.x
     };
     let found = after([0.9, 0.0], [0.95, 0.1]);
     assert!((found[0] - 1.0).abs() < 0.01 && cost(&found) < SAMPLES as f64, "{found:?}");
