@@ -52,6 +52,8 @@ pub(crate) struct Ending<'s, 'a> {
     changed: Option<ChangedConstants>,
     noise: Vec<Vec<f64>>,
     warnings: Vec<Warning>,
+    /// Whether near rivals were fitted as hard as the final model.
+    compared: bool,
 }
 
 impl<'s, 'a> Ending<'s, 'a> {
@@ -97,6 +99,7 @@ impl<'s, 'a> Ending<'s, 'a> {
             changed,
             noise,
             warnings,
+            compared: false,
         })
     }
 
@@ -139,7 +142,7 @@ impl<'s, 'a> Ending<'s, 'a> {
         self.warnings.extend(input_errors(&self.last).into_iter().map(Warning::InputError));
         self.warnings.extend(at_bounds(&self.last.cal.parameters).into_iter().map(Warning::Fit));
         self.warnings.extend(sensitive_starts(&self.last.cal.records).into_iter().map(Warning::Fit));
-        if self.last.score.explains() {
+        if self.last.score.explains() && !self.compared {
             self.compare_near_rivals();
         }
         let steps: Vec<Step> = (0..self.last.model.effects.len()).map(|k| self.step(k)).collect();
@@ -281,6 +284,7 @@ impl<'s, 'a> Ending<'s, 'a> {
     /// Keeps the first `n` effects, with the errors of their numbers.
     fn keep(&mut self, n: usize) -> Result<(), GapError> {
         self.path.truncate(n + 1);
+        self.compared = false;
         self.last = with_errors(self.path[n].clone(), &self.noise)?;
         self.path[n] = self.last.clone();
         Ok(())
@@ -289,6 +293,7 @@ impl<'s, 'a> Ending<'s, 'a> {
     /// Takes another final model, with the errors of its numbers.
     fn take(&mut self, base: &Fitted, found: Fitted) -> Result<(), GapError> {
         self.path = path(base, &found, &self.noise);
+        self.compared = false;
         self.last = with_errors(found, &self.noise)?;
         if !self.last.model.effects.is_empty() {
             self.path.push(self.last.clone());
@@ -492,6 +497,7 @@ impl<'s, 'a> Ending<'s, 'a> {
     /// Drops those that evidence rules out, and those whose numbers the records do not determine: they would be no answer.
     /// Of rivals that no record tells apart the best one stays.
     fn compare_near_rivals(&mut self) {
+        self.compared = true;
         let Ending { last, noise, rounds, candidates, .. } = self;
         let kept = rounds.iter_mut().filter(|round| round.before < last.model.effects.len());
         let Some(round) = kept.max_by_key(|round| round.before) else { return };
@@ -549,9 +555,7 @@ impl<'s, 'a> Ending<'s, 'a> {
             validate: a.validate.zip(b.validate),
             delta_bic: by.criterion(a) - by.criterion(b),
             probability: self
-                .last
-                .score
-                .explains()
+                .compared
                 .then(|| probability_beside(rivals.iter().filter(|r| !r.same).map(|r| r.delta_bic))),
             rivals,
             vetoed: round.map_or(vec![], |r| r.vetoed.clone()),

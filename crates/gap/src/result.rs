@@ -145,7 +145,7 @@ pub struct Step {
     /// Decrease of the criterion.
     pub delta_bic: f64,
     /// The probability of the law among it and its rivals: half the difference of the score is the logarithm of a ratio of
-    /// evidences (`docs/method.md`, section 10). `None` where the model does not explain the records.
+    /// evidences (`docs/method.md`, section 10). `None` where these were not compared, as the model leaves more than noise.
     pub probability: Option<f64>,
     /// Models that are nearly as good.
     pub rivals: Vec<Rival>,

@@ -186,7 +186,7 @@ impl Ending<'_, '_> {
         self.forget_forces_of_time(&whole);
         found.iter().for_each(|found| self.take_numbers(found));
         self.warnings.extend(causes(&self.base, &self.last).into_iter().map(Warning::Cause));
-        Ok(if n == 0 { Status::NothingMissing } else { Status::Explained })
+        Ok(self.beside_near_rivals().0)
     }
 }
 
