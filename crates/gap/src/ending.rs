@@ -153,7 +153,9 @@ impl<'s, 'a> Ending<'s, 'a> {
         let status = match status {
             // With inputs drawn in another way the laws were not fitted.
             Status::NothingMissing
-                if redrawn.is_none() && self.last.score.explains() && !self.nothing_is_sure() =>
+                if redrawn.is_none()
+                    && (self.last.score.explains() || open > 0.0)
+                    && !self.nothing_is_sure() =>
             {
                 Status::Undetermined
             }

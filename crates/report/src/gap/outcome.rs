@@ -33,10 +33,18 @@ pub(crate) fn outcome(found: &Gap) -> String {
             let fitted = found.tried.iter().filter(|t| t.gap.is_some());
             let nearest = fitted.max_by(|a, b| a.score.total_cmp(&b.score));
             let law = nearest.map_or("a law".to_owned(), |t| t.at.to_string());
+            let noise = last <= NOISE || !sensitivity(found).is_empty();
+            let left = match noise {
+                true => format!("only noise (gap {})", short(last)),
+                false => format!("a gap of {}{}", short(last), limit(found)),
+            };
+            let would = if has_coarse_input(found) {
+                "an input that is recorded faster"
+            } else {
+                "longer ones or a larger motion"
+            };
             format!(
-                "the model leaves only noise (gap {}), but these records do not tell whether {law} is there \
-                 too; longer ones or a larger motion would",
-                short(last)
+                "the model leaves {left}, but these records do not tell whether {law} is there too; {would} would"
             )
         }
         Status::Named => {
@@ -78,9 +86,14 @@ pub(crate) fn outcome(found: &Gap) -> String {
     }
 }
 
+/// Whether the samples of an input are too few to tell what is missing.
+fn has_coarse_input(found: &Gap) -> bool {
+    found.warnings.iter().any(|w| matches!(w, Warning::CoarseInput(_)))
+}
+
 /// Why no model can come nearer than a gap above the noise.
 fn limit(found: &Gap) -> &'static str {
-    if found.warnings.iter().any(|w| matches!(w, Warning::CoarseInput(_))) {
+    if has_coarse_input(found) {
         ", as near as the few samples of its input allow"
     } else if matches!(found.alternative, Some(Alternative::InputNoise(_))) {
         ", as near as the noise of its input allows"
