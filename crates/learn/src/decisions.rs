@@ -291,8 +291,6 @@ decisions! {
 
     /// The coefficients of more terms than this keep the quadratic interval.
     PROFILED_TERMS: usize = 12, "terms", Basis::Judgement("each end of a profile costs some evaluations of the whole fit, and a model with so many terms was asked for, not selected");
-    /// A force of which a model with a late sensor leaves no larger part is explained by that.
-    HARDLY_ANY: f64 = 0.05, "of the force", Basis::Convention("forces that differ by less than a twentieth are one");
     /// A fit may find this many times the delay that the residuals show.
     LATE_REACH: f64 = 30.0, "times", Basis::Judgement("the residuals show the delay to first order: the motion may have turned round within it");
     /// The probability from which a result says that something is so.

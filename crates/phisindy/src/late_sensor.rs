@@ -46,7 +46,7 @@ impl Loaded {
 const LAST: f64 = 0.95;
 
 /// Of the same model with a delay and with a lag, the more probable one: if the delay convinces, and the model is
-/// more probable than without, and leaves noise, or hardly anything of the force that is left without.
+/// more probable than without.
 fn convincing(
     late: &LateColumn,
     before: &Identified,
@@ -59,10 +59,8 @@ fn convincing(
     })?;
     let (loaded, mut found) = all.into_iter().min_by(|a, b| deviance(&a.1).total_cmp(&deviance(&b.1)))?;
     let more_probable = before.deviance.is_none_or(|d| deviance(&found) < d);
-    // Beside a law that is missing a delay is what comes nearest to it, and leaves a part of that law.
-    let left = |found: &Identified| found.remainder.iter().map(|r| r.share).fold(0.0, f64::max);
-    let explains_the_force = left(before) > 0.0 && left(&found) <= late.hardly_any * left(before);
-    let leaves_more = found.warnings.iter().any(Warning::doubts_residual) && !explains_the_force;
+    // Beside a law that is missing a delay is what comes nearest to it: it must leave noise.
+    let leaves_more = found.warnings.iter().any(Warning::doubts_residual);
     if !more_probable || leaves_more || errors.powi(2) <= late.needed {
         return None;
     }

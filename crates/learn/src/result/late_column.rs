@@ -16,6 +16,4 @@ pub struct LateColumn {
     /// The square of a delay in its standard errors from which a fit convinces: the price of one number of those
     /// that were looked at (as of a term), and the odds of 19 to 1 against chance.
     pub needed: f64,
-    /// The part of the force that is left without it which no longer matters beside it.
-    pub hardly_any: f64,
 }

@@ -4,7 +4,7 @@
 //! minimum. All others follow (Schur's complement `s`), so the cost falls by `g^2/s` at the delay `-g/s`: the score
 //! test (C. R. Rao, Proc. Cambridge Phil. Soc. 44 (1948) 50-57). A lag shows as a delay, to first order.
 
-use crate::decisions::{BLIND_PART, HARDLY_ANY, LATE_REACH, SURE};
+use crate::decisions::{BLIND_PART, LATE_REACH, SURE};
 use crate::linear::solve_damped;
 use crate::result::late_column::LateColumn;
 use crate::trajectory::fit::{Context, Fit, transfer};
@@ -26,8 +26,7 @@ pub(crate) fn late_column(context: &Context<'_>, fit: &Fit<'_>) -> Option<LateCo
     let most = columns.iter().filter_map(|&k| Some((k, delay_of(context, fit, k)?)));
     let (column, (delay, gain)) = most.max_by(|a, b| a.1.1.total_cmp(&b.1.1))?;
     let name = context.system.measured(column).0.to_owned();
-    let found = LateColumn { column, name, delay, reach: LATE_REACH, needed, hardly_any: HARDLY_ANY };
-    (gain / fit.inflation() > needed).then_some(found)
+    (gain / fit.inflation() > needed).then_some(LateColumn { column, name, delay, reach: LATE_REACH, needed })
 }
 
 /// Whether a column is measured, and its delay is neither stated nor looked for.
