@@ -103,8 +103,8 @@ pub fn calibrate_from(
     if problem.segments.len() == setup.fitted.len() && !hopeless {
         let mut best = Best { problem: &problem, weights: &weights, samples, most: setup.most, x, cost };
         match effort {
-            Effort::Plain | Effort::Rival { .. } => best.from_other_starts(&setup, segmented),
-            Effort::Thorough | Effort::Errors => best.from_nearby(),
+            Effort::Plain | Effort::Rival { .. } => best.try_other_starts(&setup, segmented),
+            Effort::Thorough | Effort::Errors => best.try_nearby(),
         }
         x = best.x;
     }
@@ -183,7 +183,7 @@ impl Best<'_, '_> {
 
     /// Tries other starts: where the spec starts, where the smoothed motion starts, and, if the fit still misses, from
     /// segments in smaller steps.
-    fn from_other_starts(&mut self, setup: &Setup<'_>, segmented: Option<Stage<'_>>) {
+    fn try_other_starts(&mut self, setup: &Setup<'_>, segmented: Option<Stage<'_>>) {
         // The start of the spec may be better than the end of the segments: after an earlier fit it is.
         self.try_start(self.problem.guess(&[], None, &setup.smooth));
         if let Some(start) = on_the_data(self.problem, &self.x, &setup.noise, &setup.smooth) {
@@ -197,7 +197,7 @@ impl Best<'_, '_> {
     }
 
     /// Tries starts near the end of a fit, as long as the fit leaves more than noise.
-    fn from_nearby(&mut self) {
+    fn try_nearby(&mut self) {
         for attempt in 0..RESTARTS {
             match nearby(self.problem, &self.x, self.weights, self.samples, attempt) {
                 Some(start) => self.try_start(start),
