@@ -130,8 +130,8 @@ pub(crate) fn changed_constants(of: &Fitted, noise: &[Vec<f64>]) -> ChangedConst
     ChangedConstants { all: all.len(), fits: nearest }
 }
 
-/// The laws of a search of one round, which ended with `last`, as rivals of a model with changed constants. `constants` is the
-/// number of constants that could have changed.
+/// The laws that a search of one round found, as rivals of changed constants. The search ended with `last`, and so many
+/// constants could have changed.
 pub(crate) fn other_kinds(
     (last, rounds, candidates): (&Fitted, &[Round], usize),
     changed: &Fitted,

@@ -543,14 +543,16 @@ impl Fit<'_> {
         other.normal(&self.x, &self.weights).ok()
     }
 
-    /// Twice the negative logarithm of the likelihood but for a constant; `None` of a fit in segments. Noise that is smaller
-    /// than the fit assumed, as below `NOISE_FLOOR`, has the size of what is left.
+    /// Twice the negative logarithm of the likelihood but for a constant; `None` of a fit in segments. The fit assumes no noise
+    /// below a floor: where it leaves less, the noise has the size of what is left.
     pub(crate) fn deviance(&self) -> Option<f64> {
-        let all = self.weights.iter().flatten().flatten().filter(|w| **w > 0.0);
-        let (count, cost) = (all.clone().count() as f64, self.normal.cost);
-        let smaller = (cost / count).clamp(f64::MIN_POSITIVE, 1.0);
-        let levels = count * smaller.ln() - all.map(|w| w.ln()).sum::<f64>();
-        (self.most_pieces() == 1).then(|| cost / smaller + levels)
+        if self.most_pieces() > 1 {
+            return None;
+        }
+        let weights = self.weights.iter().flatten().flatten().filter(|w| **w > 0.0);
+        let (count, levels) = weights.fold((0.0, 0.0), |(count, sum), w| (count + 1.0, sum - w.ln()));
+        let part = (self.normal.cost / count).clamp(f64::MIN_POSITIVE, 1.0);
+        Some(self.normal.cost / part + count * part.ln() + levels)
     }
 
     /// Factor on variances for correlated residuals: 1 for white noise.

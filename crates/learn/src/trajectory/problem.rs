@@ -235,8 +235,8 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// Holds an unknown at a value: it moves no more, and runs have no derivatives by it. Of start states it is the bounds
-    /// alone that hold them.
+    /// Holds an unknown other than a start state at a value: it moves no more, and runs have no derivatives by it.
+    /// [`Problem::meanings`] no longer says what it is.
     pub(crate) fn hold(&mut self, k: usize, value: f64) {
         self.bounds[k] = (value, value);
         let sensors = self.sensors.iter_mut().flatten().flatten();

@@ -1,10 +1,10 @@
 //! The finding in one sentence, with its numbers.
 
-use super::outcome::{NOISE, basis, outcome, sensitivity};
+use super::outcome::{NOISE, basis, has_coarse_input, outcome, sensitivity};
 use crate::format::capital;
 use crate::table::{raised, short, with_error};
 use crate::terminal::unicode;
-use phisindy_gap::{Alternative, CHANGED, DISCOVERED, Gap, Status, Step, StepParameter, Warning};
+use phisindy_gap::{Alternative, CHANGED, DISCOVERED, Gap, Status, Step, StepParameter};
 
 /// Most parameters of one effect in the sentence; the others stand in its table.
 const NUMBERS: usize = 2;
@@ -117,7 +117,7 @@ fn rest(found: &Gap, after: f64) -> &'static str {
         "the rest is noise"
     } else if !sensitivity(found).is_empty() {
         "the rest is within the error bars of the numbers"
-    } else if found.warnings.iter().any(|w| matches!(w, Warning::CoarseInput(_))) {
+    } else if has_coarse_input(found) {
         "the few samples of the input allow no more"
     } else if matches!(found.alternative, Some(Alternative::InputNoise(_))) {
         "the rest is the noise of the input"

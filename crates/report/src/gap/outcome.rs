@@ -18,8 +18,7 @@ pub(crate) fn outcome(found: &Gap) -> String {
     match found.status {
         Status::NothingMissing => {
             let sensitive = sensitivity(found);
-            let noise = last <= NOISE || !sensitive.is_empty();
-            let to = if noise { " to their noise" } else { limit(found) };
+            let to = if leaves_noise(found) { " to their noise" } else { limit(found) };
             format!("the model explains the data{to} (gap {}{sensitive})", short(last))
         }
         Status::Undetermined if found.interrupted() => format!(
@@ -33,16 +32,14 @@ pub(crate) fn outcome(found: &Gap) -> String {
             let fitted = found.tried.iter().filter(|t| t.gap.is_some());
             let nearest = fitted.max_by(|a, b| a.score.total_cmp(&b.score));
             let law = nearest.map_or("a law".to_owned(), |t| t.at.to_string());
-            let noise = last <= NOISE || !sensitivity(found).is_empty();
-            let left = match noise {
-                true => format!("only noise (gap {})", short(last)),
-                false => format!("a gap of {}{}", short(last), limit(found)),
-            };
-            let would = if has_coarse_input(found) {
-                "an input that is recorded faster"
+            let left = if leaves_noise(found) {
+                format!("only noise (gap {})", short(last))
             } else {
-                "longer ones or a larger motion"
+                format!("a gap of {}{}", short(last), limit(found))
             };
+            let coarse = has_coarse_input(found);
+            let would =
+                if coarse { "an input that is recorded faster" } else { "longer ones or a larger motion" };
             format!(
                 "the model leaves {left}, but these records do not tell whether {law} is there too; {would} would"
             )
@@ -86,8 +83,13 @@ pub(crate) fn outcome(found: &Gap) -> String {
     }
 }
 
+/// Whether the model leaves noise alone, if its numbers move within their error bars.
+fn leaves_noise(found: &Gap) -> bool {
+    found.after.1.unwrap_or(found.after.0) <= NOISE || !sensitivity(found).is_empty()
+}
+
 /// Whether the samples of an input are too few to tell what is missing.
-fn has_coarse_input(found: &Gap) -> bool {
+pub(super) fn has_coarse_input(found: &Gap) -> bool {
     found.warnings.iter().any(|w| matches!(w, Warning::CoarseInput(_)))
 }
 

@@ -5,8 +5,8 @@
 //! 5 % of what is missing along the record not used, with the numbers that were found.
 //! * A named law at its place is right if a description has it.
 //! * Where one law at its place is found, another one that the records cannot tell from it is that answer too.
-//! * Pushes are right if their times in each record hold a pulse of no catalogue from half of its height on, and none acts beside
-//!   it.
+//! * Pushes are right if in each record one of them lasts while the hidden pulse is above half of its height, and none acts at
+//!   another time or place.
 //! * A formula (`described`) is right if its forces hold all but 10 % of what is missing there.
 //! * "None of these" is right where what was found is no description and something is hidden.
 //! * A verdict with exit 0 is right if its laws are a description (`named`: a part of one), and no interval of a number misses by
