@@ -12,7 +12,7 @@ use crate::drive_frequency::drive_frequency;
 use crate::formula::{DISCOVERED, expansion};
 use crate::input_interpolation::{Redrawn, beyond_noise, coarse_inputs, redrawn};
 use crate::model::{
-    Applied, ColumnError, Fitted, Measure, TrialModel, current, expression, most_apart_beforehand,
+    Applied, ColumnError, Fitted, Measure, Score, TrialModel, current, expression, most_apart_beforehand,
     probability_beside, text_with, values,
 };
 use crate::none_of_these::probability as probability_of_none;
@@ -54,6 +54,8 @@ pub(crate) struct Ending<'s, 'a> {
     warnings: Vec<Warning>,
     /// Whether near rivals were fitted as hard as the final model.
     compared: bool,
+    /// The gap that the drawing of the inputs between their samples leaves open; 0 where it is no excuse.
+    open: f64,
 }
 
 impl<'s, 'a> Ending<'s, 'a> {
@@ -67,7 +69,8 @@ impl<'s, 'a> Ending<'s, 'a> {
         let Searched { base, last, rounds, candidates, stop, needed, tried, force, changed } = searched;
         let (base, last) = (base.chosen(), last.chosen());
         // A white residual is the noise itself: a better estimate than the one from the columns.
-        let noise = if last.score.is_white() { last.noise(search.noise) } else { search.noise.to_vec() };
+        let white = last.score.is_white();
+        let noise = if white { last.noise(search.noise) } else { last.least_noise(search.noise) };
         let (base, last) = (base.measured_by(&noise), last.measured_by(&noise));
         warnings.extend(data_mistakes(&base).into_iter().map(Warning::Data));
         search.observer.tell(SEARCHED, Activity::ErrorBars);
@@ -100,14 +103,15 @@ impl<'s, 'a> Ending<'s, 'a> {
             noise,
             warnings,
             compared: false,
+            open: 0.0,
         })
     }
 
     /// The result.
     pub(crate) fn finished(mut self, text: &str, repeat: Vec<ColumnRepeat>) -> Result<Gap, GapError> {
         let redrawn = self.redraw_inputs()?;
-        let open = self.coarse_inputs()?;
-        let floor = self.search.floor.max(open);
+        self.coarse_inputs()?;
+        let floor = self.search.floor.max(self.open);
         let repeats = floor > 0.0 && self.last.score.gap() <= REPEATS * floor;
         let (status, warning) = status(&self.last.score, repeats, bent(&self.last));
         self.warnings.extend(warning);
@@ -142,7 +146,7 @@ impl<'s, 'a> Ending<'s, 'a> {
         self.warnings.extend(input_errors(&self.last).into_iter().map(Warning::InputError));
         self.warnings.extend(at_bounds(&self.last.cal.parameters).into_iter().map(Warning::Fit));
         self.warnings.extend(sensitive_starts(&self.last.cal.records).into_iter().map(Warning::Fit));
-        if self.last.score.explains() && !self.compared {
+        if (self.last.score.explains() || self.open > 0.0) && !self.compared {
             self.compare_near_rivals();
         }
         let steps: Vec<Step> = (0..self.last.model.effects.len()).map(|k| self.step(k)).collect();
@@ -154,7 +158,7 @@ impl<'s, 'a> Ending<'s, 'a> {
             // With inputs drawn in another way the laws were not fitted.
             Status::NothingMissing
                 if redrawn.is_none()
-                    && (self.last.score.explains() || open > 0.0)
+                    && (self.last.score.explains() || self.open > 0.0)
                     && !self.nothing_is_sure() =>
             {
                 Status::Undetermined
@@ -165,7 +169,7 @@ impl<'s, 'a> Ending<'s, 'a> {
             }
             // Another force is there. Where the inputs may be drawn in another way, what brings the gap far down is named.
             Status::Explained if none.is_some_and(|p| p > 0.5) => {
-                let named = open > 0.0 && substantial(&steps) == steps.len();
+                let named = self.open > 0.0 && substantial(&steps) == steps.len();
                 if named { Status::Named } else { Status::Undetermined }
             }
             other => other,
@@ -243,6 +247,17 @@ impl<'s, 'a> Ending<'s, 'a> {
         if let Some(found) = self.with_random_force(&self.last) {
             self.take_numbers(&found);
         }
+    }
+
+    /// Whether the effects are worth their price where a random force is left with them and without them: the noise of an
+    /// input is one.
+    fn is_more_than_noise_of_inputs(&self) -> bool {
+        let criterion = |f: &Fitted| {
+            let deviance = self.with_random_force(f)?.deviance?;
+            Some(deviance + f.score.price(self.candidates, f.score.independent()))
+        };
+        let gain = || Some(criterion(&self.base)? - criterion(&self.last)?);
+        !self.last.model.effects.is_empty() && gain().is_some_and(|gain| gain > WORTH)
     }
 
     /// The fit of a model that leaves a random force on each body.
@@ -350,20 +365,19 @@ impl<'s, 'a> Ending<'s, 'a> {
     }
 
     /// Drops the effects that the drawing of the inputs between their samples leaves open, where the rest of
-    /// the model is as good as that drawing allows. Returns the gap that the drawing leaves. A model that
-    /// explains the records needs no excuse: with fewer effects no drawing did, for [`redrawn`] has tried them.
-    fn coarse_inputs(&mut self) -> Result<f64, GapError> {
+    /// the model is as good as that drawing allows. A model that explains the records needs no excuse: with fewer effects no drawing did, for [`redrawn`] has tried them.
+    fn coarse_inputs(&mut self) -> Result<(), GapError> {
         if self.last.score.explains() || self.interrupted() {
-            return Ok(0.0);
+            return Ok(());
         }
-        let Some((left, coarse)) = coarse_inputs(&self.path, &self.noise) else { return Ok(0.0) };
+        let Some((left, coarse)) = coarse_inputs(&self.path, &self.noise) else { return Ok(()) };
         if beyond_noise(&self.path[left]).sqrt() > REPEATS * coarse.open {
-            return Ok(0.0);
+            return Ok(());
         }
         self.keep(left)?;
-        let open = (1.0 + coarse.open.powi(2)).sqrt();
+        self.open = (1.0 + coarse.open.powi(2)).sqrt();
         self.warnings.push(Warning::CoarseInput(coarse));
-        Ok(open)
+        Ok(())
     }
 
     /// The status with the doubts about the effects, and the number of effects from the first on that are
@@ -468,7 +482,7 @@ impl<'s, 'a> Ending<'s, 'a> {
             // What the noise of the inputs leaves is no force: the model is as good as they are.
             let whole = helps == determined && helps == whole.model.effects.len() && mixed.is_none();
             if let Some(n) = noise.as_ref().filter(|n| whole && n.left <= n.most) {
-                let complete = self.base.score.gap() <= n.most;
+                let complete = self.base.score.gap() <= n.most && !self.is_more_than_noise_of_inputs();
                 status = if complete { Status::NothingMissing } else { Status::Explained };
                 if status == Status::NothingMissing && helps > 0 {
                     self.keep(0)?;
@@ -500,7 +514,9 @@ impl<'s, 'a> Ending<'s, 'a> {
     /// Of rivals that no record tells apart the best one stays.
     fn compare_near_rivals(&mut self) {
         self.compared = true;
-        let Ending { last, noise, rounds, candidates, .. } = self;
+        let Ending { last, noise, rounds, candidates, open, .. } = self;
+        // What another drawing of the inputs may do tells nothing of two laws.
+        let score = |f: &Fitted| Score { least: f.score.least.max(*open), ..f.score.clone() };
         let kept = rounds.iter_mut().filter(|round| round.before < last.model.effects.len());
         let Some(round) = kept.max_by_key(|round| round.before) else { return };
         // What no record tells apart is one answer whatever is more plausible beforehand.
@@ -513,8 +529,9 @@ impl<'s, 'a> Ending<'s, 'a> {
             let Ok(fitted) = Fitted::new(model.clone(), noise, Effort::Thorough) else {
                 return Some((rival, None));
             };
-            let by = Measure::of([&fitted.score, &last.score], *candidates);
-            rival.delta_bic = by.criterion(&fitted.score) - by.criterion(&last.score);
+            let (other, own) = (score(&fitted), score(last));
+            let by = Measure::of([&other, &own], *candidates);
+            rival.delta_bic = by.criterion(&other) - by.criterion(&own);
             rival.same = last.apart(&fitted, noise) < SAME_MOTION;
             let with_errors = with_errors(fitted, noise).ok()?;
             vetoed(&with_errors).is_empty().then_some((rival, Some(with_errors)))

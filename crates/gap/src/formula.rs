@@ -87,7 +87,7 @@ struct Found {
 impl Search<'_> {
     /// Whether a model leaves no more than the noise of the measured inputs does alone, which no force
     /// describes.
-    fn left_by_input_noise(&self, of: &Fitted) -> bool {
+    pub(crate) fn left_by_input_noise(&self, of: &Fitted) -> bool {
         input_noise(of, self.noise).is_some_and(|noise| noise.left <= noise.most)
     }
 
@@ -98,7 +98,7 @@ impl Search<'_> {
         let (searched, linear) = self.with_changed_constants(searched);
         let explained = self.explained(&searched.last);
         let done = explained && !doubted(&searched.last, &searched.needed, self.noise);
-        let ended = matches!(searched.stop, StopReason::Interrupted | StopReason::CoarseInput);
+        let ended = matches!(searched.stop, StopReason::Interrupted | StopReason::Inputs);
         if done && !ended {
             return self.in_place_of_many_numbers(searched);
         }

@@ -119,7 +119,7 @@ impl<'a> Drawing<'a> {
 
 /// How much the runs of the Fit records move if the records are those of another model, the numbers being the same:
 /// the mean square in units of the noise.
-fn moved(base: &Fitted, other: &TrialModel, noise: &[Vec<f64>]) -> Option<f64> {
+pub(crate) fn moved(base: &Fitted, other: &TrialModel, noise: &[Vec<f64>]) -> Option<f64> {
     let (mut sum, mut count) = (0.0, 0usize);
     let records = base.cal.records.iter().zip(noise).filter(|(fit, _)| fit.role == Role::Fit);
     for (changes, (_, noise)) in changes(base, other)?.iter().zip(records) {

@@ -4,6 +4,7 @@ use crate::decisions::{
     EXPLAINED, INPUT_NOISE_BLOCK, INPUT_NOISE_DRAWS, INPUT_NOISE_PART, MOST_OF_RESIDUAL, REPEATS,
 };
 use crate::drive::Drive;
+use crate::input_interpolation::moved;
 use crate::model::{Fitted, TrialModel};
 use crate::result::{Cause, InputNoise, Named};
 use crate::sensor_linearity::bent_columns;
@@ -54,6 +55,14 @@ pub(crate) fn input_noise(last: &Fitted, noise: &[Vec<f64>]) -> Option<InputNois
         return None;
     }
     let settled = last.settled();
+    // A fit to other inputs moves the runs no more than these inputs do while the numbers stay.
+    let moves = |draw: usize| moved(last, &disturbed(&settled, draw)?.0, noise);
+    let all: Vec<f64> = (0..INPUT_NOISE_BLOCK).into_par_iter().filter_map(moves).collect();
+    let little =
+        all.iter().sum::<f64>() <= INPUT_NOISE_PART * (last.score.fit.powi(2) - 1.0) * all.len() as f64;
+    if last.judged_by() == Role::Fit && little {
+        return None;
+    }
     let apart = |draw: usize| {
         let (model, of) = disturbed(&settled, draw)?;
         let noisy = Fitted::new(model, noise, Effort::Thorough).ok()?;

@@ -150,6 +150,11 @@ impl Search<'_> {
         by.score.explains() || self.at_floor(by)
     }
 
+    /// Whether a model leaves no more than what is not known of the inputs: their noise, or how they are drawn.
+    fn inputs_leave(&self, of: &Fitted, drawing: &Drawing<'_>) -> bool {
+        drawing.hides_the_rest(of) || self.left_by_input_noise(of)
+    }
+
     /// Whether a model leaves no more than the scatter of the rig.
     pub(crate) fn at_floor(&self, of: &Fitted) -> bool {
         at_floor(of, self.floor)
@@ -175,8 +180,8 @@ impl Search<'_> {
             if let Some(stop) = self.ends(&now, rounds.len(), weak) {
                 break stop;
             }
-            if !rounds.is_empty() && drawing.hides_the_rest(&now) {
-                break StopReason::CoarseInput;
+            if !rounds.is_empty() && self.inputs_leave(&now, &drawing) {
+                break StopReason::Inputs;
             }
             // Laws one after the other imitate numbers that are wrong. Where other numbers explain the data alone, no
             // second round can say more.
@@ -293,7 +298,7 @@ impl Search<'_> {
         let best = self.worthy(now, &singles, candidates);
         // A law of many parameters may stand for two simple laws, so pairs are fitted too.
         let plain = |f: &Fitted| f.model.effects[before..].iter().all(|a| !is_composed(&a.effect));
-        let enough = |b: &&Fitted| b.score.is_white() && plain(b) || start.drawing.hides_the_rest(b);
+        let enough = |b: &&Fitted| b.score.is_white() && plain(b) || self.inputs_leave(b, start.drawing);
         if let Some(best) = best.as_ref().filter(enough) {
             let best = self.simplified(best.clone(), candidates);
             let best = self.exchanged(self.relocated(best, candidates), candidates);

@@ -6,7 +6,7 @@ use crate::ending::Ending;
 use crate::model::{Fitted, SpecTextError, TrialModel, current, noise_of, shortened};
 use crate::repeat::{prediction, repeatability};
 use crate::result::{Activity, ColumnRepeat, DataError, Gap, GapError, ModelError, StopReason, Warning};
-use crate::search::{Observer, Search, Searched, at_floor};
+use crate::search::{Observe, Observer, Search, Searched, at_floor};
 use phisindy_learn::{Effort, dead_column};
 use phisindy_phys::spec::{self, Role, Spec};
 use phisindy_phys::{Case, LawEntry, Record, SourceId, System, splice};
@@ -48,8 +48,6 @@ pub fn gap(
     observe: &mut (dyn FnMut(f64, Activity) -> ControlFlow<()> + Send),
 ) -> Result<Gap, GapError> {
     suitable(&case.system, &records)?;
-    let noise = noise_of(&records);
-    mostly_noise(&records, &noise)?;
     let unreadable = || GapError::Data(DataError::Spec(text.to_owned()));
     let (spec, _) = spec::read_with_files(text, SourceId(0), &case.system.files).map_err(|_| unreadable())?;
     let mut warnings = Vec::new();
@@ -57,13 +55,17 @@ pub fn gap(
         warnings.push(Warning::UnknownLeftOut { candidates: !case.system.terms.is_empty() });
     }
     let text = if case.is_open() { without_unknown(text)? } else { text.to_owned() };
-    let (repeat, floor) = floor(&case, &records, &noise);
-    let whole = without_candidates(spec, case, records).ok_or_else(unreadable)?;
+    let whole = without_candidates(spec, case.clone(), records.clone()).ok_or_else(unreadable)?;
     let mut observe = |part: f64, what: Activity| observe(part, what).is_break();
     Observer::during(&mut observe, |observer| {
+        observer.tell(0.0, Activity::Calibrating);
         let whole = whole.stopped_by(observer.stop());
+        let short = shortened(&whole.records).map(|records| whole.for_records(records));
+        let noise = noise_left(short.as_ref().unwrap_or(&whole), noise_of(&records));
+        mostly_noise(&records, &noise)?;
+        let (repeat, floor) = floor(&case, &records, &noise);
         let mut search = Search { catalogue, noise: &noise, floor, observer };
-        let searched = from_estimate_or_rest(&mut search, whole).map_err(GapError::Numerics)?;
+        let searched = from_estimate_or_rest(&mut search, whole, short).map_err(GapError::Numerics)?;
         Ending::new(searched, &mut search, warnings)?.finished(&text, repeat)
     })
 }
@@ -86,12 +88,12 @@ pub struct Standing {
 pub fn standing(spec: Spec, case: Case, records: Vec<Record>) -> Result<Standing, GapError> {
     suitable(&case.system, &records)?;
     let noise = noise_of(&records);
-    let (_, floor) = floor(&case, &records, &noise);
-    let fitted = Fitted::new(TrialModel::base(spec, case, records), &noise, Effort::Plain);
+    let fitted = Fitted::new(TrialModel::base(spec, case.clone(), records.clone()), &noise, Effort::Plain);
     let fitted = fitted.map_err(GapError::Numerics)?;
+    let (_, floor) = floor(&case, &records, &fitted.least_noise(&noise));
     // The columns tell the noise of few samples to some per cent only; a white residual is the noise.
-    let fitted =
-        if fitted.score.is_white() { fitted.clone().measured_by(&fitted.noise(&noise)) } else { fitted };
+    let noise = if fitted.score.is_white() { fitted.noise(&noise) } else { fitted.least_noise(&noise) };
+    let fitted = fitted.measured_by(&noise);
     let explains = fitted.score.explains() || at_floor(&fitted, floor);
     Ok(Standing { gap: fitted.score.gap(), samples: fitted.score.judged, explains })
 }
@@ -99,8 +101,11 @@ pub fn standing(spec: Spec, case: Case, records: Vec<Record>) -> Result<Standing
 /// Searches from the estimate of the states that only outputs tell. Where nothing explains the data from
 /// there, the search is repeated with those states at rest: the estimate takes what the model lacks for an
 /// unknown force, and may lead astray.
-fn from_estimate_or_rest(search: &mut Search<'_>, whole: TrialModel) -> Result<Searched, ModelError> {
-    let short = shortened(&whole.records).map(|records| whole.for_records(records));
+fn from_estimate_or_rest(
+    search: &mut Search<'_>,
+    whole: TrialModel,
+    short: Option<TrialModel>,
+) -> Result<Searched, ModelError> {
     let first = on_shortened(search, whole.clone(), short.clone())?;
     if first.stop == StopReason::Interrupted || search.explained(&first.last) {
         return Ok(first);
@@ -137,6 +142,14 @@ fn on_shortened(
     searched.base = Fitted::new(whole, search.noise, Effort::Plain)?;
     searched.last = full.unwrap_or_else(|| searched.base.clone());
     Ok(searched)
+}
+
+/// The noise of every measured column by record: what the columns tell, but no more than the model as it is leaves.
+fn noise_left(model: &TrialModel, noise: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+    match Fitted::new(model.clone(), &noise, Effort::Plain) {
+        Ok(fitted) => fitted.least_noise(&noise),
+        Err(_) => noise,
+    }
 }
 
 /// The search of the catalogue, and where it ends without an explanation that of a formula.

@@ -5,8 +5,8 @@ use super::input_error::{ColumnError, input_errors};
 use super::occam_factor::OccamFactor;
 use super::score::Score;
 use super::trial_model::TrialModel;
-use crate::decisions::{CHOW, LITTLE_LEFT, NOT_WHITE, RESTS, STANDS_STILL};
-use crate::model::records::growing_noise;
+use crate::decisions::{CHANCE, CHOW, LITTLE_LEFT, NOT_WHITE, RESTS, STANDS_STILL};
+use crate::model::records::{growing_noise, least_noise_of};
 use crate::place::Effect;
 use crate::whiteness::score;
 use phisindy_learn::{Calibration, Effort, FoundParameter, RecordFit, SegmentFit, calibrate, calibrate_from};
@@ -63,6 +63,7 @@ impl Fitted {
             fit,
             validate,
             predictive: validate,
+            least: least(&cal, &model.records, noise),
             whiteness,
             samples: cal.samples,
             judged: match validate {
@@ -167,8 +168,9 @@ impl Fitted {
             }
             let form = growing.get(k).copied().flatten().zip(record.own_column(k));
             let grown = form.map_or(0.0, |(form, (_, column))| form.root_mean_square(&column));
-            let level = noise_level_at(&record.own_times.of(k, &record.time), &residual);
-            grown.max(level).max(record.rounding(k)).max(f64::MIN_POSITIVE)
+            let all = (residual.iter().map(|e| e * e).sum::<f64>() / residual.len() as f64).sqrt();
+            let level = noise_level_at(&record.own_times.of(k, &record.time), &residual).min(all);
+            grown.max(level).max(record.rounding(k)).max(least_noise_of(record, k))
         };
         let record = |r: usize| {
             let columns = &self.model.records[r].columns;
@@ -180,9 +182,22 @@ impl Fitted {
         (0..noise.len()).map(record).collect()
     }
 
+    /// The noise of every measured column, by record: what the columns tell, but no more than the model leaves. A column alone
+    /// does not tell its noise where few samples in a period of the motion leave no part of the spectrum to it.
+    pub(crate) fn least_noise(&self, noise: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        let less = |((_, samples), (own, left)): ((usize, usize), (&f64, f64))| {
+            let chance = CHANCE * (2.0 / samples as f64).sqrt();
+            if left < own * (1.0 - chance).max(0.0).sqrt() { left } else { *own }
+        };
+        let all = self.model.records.iter().zip(noise.iter().zip(self.noise(noise)));
+        all.map(|(record, (own, left))| own_samples(record).zip(own.iter().zip(left)).map(less).collect())
+            .collect()
+    }
+
     /// Recomputes the gaps in units of this noise.
     pub(crate) fn measured_by(mut self, noise: &[Vec<f64>]) -> Fitted {
         (self.score.fit, self.score.validate) = gaps(&self.cal, noise);
+        self.score.least = least(&self.cal, &self.model.records, noise);
         self.score.predictive = self.score.validate;
         if let Some(joint) = &self.joint {
             let (fits, validates) = (of(&self.cal, Role::Fit), of(&self.cal, Role::Validate));
@@ -377,6 +392,24 @@ fn gaps(cal: &Calibration, noise: &[Vec<f64>]) -> (f64, Option<f64>) {
     (gap(Role::Fit).unwrap_or(f64::INFINITY), gap(Role::Validate))
 }
 
+/// The gap on the Fit records that the error of the simulation makes.
+fn least(cal: &Calibration, records: &[Record], noise: &[Vec<f64>]) -> f64 {
+    let (mut sum, mut count) = (0.0, 0);
+    for r in of(cal, Role::Fit) {
+        for ((k, samples), noise) in own_samples(&records[r]).zip(&noise[r]) {
+            sum += samples as f64 * (least_noise_of(&records[r], k) / noise).powi(2);
+            count += samples;
+        }
+    }
+    (sum / count.max(1) as f64).sqrt()
+}
+
+/// The measured columns of a record, each with the number of its own samples.
+fn own_samples(record: &Record) -> impl Iterator<Item = (usize, usize)> {
+    let own = |k| record.own_column(k).map(|(time, _)| (k, time.len()));
+    (0..record.columns.len()).filter_map(own)
+}
+
 /// The effects of a fitted model with the estimates as start values.
 pub(crate) fn current(now: &Fitted) -> Vec<Effect> {
     let own = |name: &str| now.model.effects.iter().any(|a| a.names.iter().any(|n| n == name));
@@ -402,4 +435,32 @@ pub(crate) fn values(fitted: &Fitted, names: &[String], otherwise: &[f64]) -> Ve
             estimate.map_or(*other, |p| p.estimate.value)
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_models::model;
+    use std::f64::consts::SQRT_2;
+
+    /// The differences of four samples in a period take the motion for noise. Those of forty do not, and what the model leaves
+    /// says the same. The noise is a hundredth of the standard deviation of the motion.
+    #[test]
+    fn noise_is_no_more_than_the_model_leaves() {
+        let levels = |step: f64, duration: f64| {
+            let (base, noise) = model(&format!(
+                r#"(states: {{ "x": "m", "v": "m/s" }}, constants: {{ "k": (1.0, "1/s^2") }},
+                    known: {{ "x": "v", "v": "-k*x" }}, unknown: {{}},
+                    data: [ Synthetic(truth: {{}}, start: {{ "x": 2.0, "v": 0.0 }}, duration: {duration}, step: {step}, measure: ["x"],
+                        noise: Additive(0.01), seed: 1) ])"#
+            ));
+            let fitted = Fitted::new(base, &noise, Effort::Plain).expect("a fit");
+            (noise[0][0], fitted.least_noise(&noise)[0][0])
+        };
+        let is_that_of_the_sensor = |level: f64| (level / (0.01 * SQRT_2) - 1.0).abs() < 0.2;
+        let (own, left) = levels(1.7, 250.0);
+        assert!(own > 0.1 && is_that_of_the_sensor(left), "{own} {left}");
+        let (own, left) = levels(0.15, 40.0);
+        assert!(is_that_of_the_sensor(own) && own == left, "{own} {left}");
+    }
 }

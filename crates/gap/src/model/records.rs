@@ -4,7 +4,6 @@ use crate::decisions::{CLEAN_COLUMN, SEARCHED_SAMPLES};
 use crate::model::noise_form::GrowingNoise;
 use phisindy_phys::Record;
 use phisindy_phys::spec::Role;
-use phisindy_signal::standard_deviation;
 
 /// Noise of every measured column by record, from the spectrum above the motion: it needs no model. Of noise
 /// that grows with the signal it is the root mean square along the record.
@@ -13,9 +12,14 @@ pub(crate) fn noise_of(records: &[Record]) -> Vec<Vec<f64>> {
     let of = |record: &Record, k: usize| {
         let (_, own) = record.own_column(k)?;
         let level = growing[k].map_or(0.0, |form| form.root_mean_square(&own)).max(record.noise_level(k));
-        Some(level.max(CLEAN_COLUMN * standard_deviation(&own)).max(f64::MIN_POSITIVE))
+        Some(level.max(least_noise_of(record, k)))
     };
     records.iter().map(|r| (0..r.columns.len()).filter_map(|k| of(r, k)).collect()).collect()
+}
+
+/// The smallest noise of a column that is assumed.
+pub(crate) fn least_noise_of(record: &Record, column: usize) -> f64 {
+    (CLEAN_COLUMN * record.deviation(column)).max(f64::MIN_POSITIVE)
 }
 
 /// For each column how the noise of its sensor grows with the signal, by the first record that shows it;

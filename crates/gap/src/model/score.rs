@@ -15,6 +15,8 @@ pub(crate) struct Score {
     /// The gap on Validate records after allowing for the errors of the fitted parameters, where that was
     /// computed; otherwise equal to `validate`.
     pub(crate) predictive: Option<f64>,
+    /// The gap below which the error of the simulation is all that is left.
+    pub(crate) least: f64,
     /// The largest whiteness score of any column; see [`crate::whiteness`].
     pub(crate) whiteness: f64,
     /// Samples of the Fit records.
@@ -74,9 +76,8 @@ impl Score {
     /// Far from the noise a rich law adapts to the Fit records whatever is missing, so the gap on the
     /// Validate records replaces the one on Fit records.
     ///
-    /// Down to the noise level the likelihood assumes known noise. Above it the misfit itself sets the
-    /// scatter: the residual of a real rig is many times its sensor noise, and a law that removes one per
-    /// cent of it explains nothing.
+    /// The misfit itself sets the scatter. The residual of a real rig is many times its sensor noise, and a law that removes
+    /// one per cent of it explains nothing; and the noise of a column that has few samples in a period is taken too large.
     pub(crate) fn criterion(&self, candidates: usize, independent: f64) -> f64 {
         let n = self.samples as f64;
         // The misfit of the free run: segments with their own start states would flatter a model that cannot
@@ -85,19 +86,25 @@ impl Score {
             Some(validate) if self.fit > FAR_OFF => validate.max(FAR_OFF).powi(2),
             _ => self.fit.powi(2),
         };
-        let cost = if ratio > 1.0 { n * (1.0 + ratio.ln()) } else { n * ratio };
-        let price = self.occam.price(self.part(independent));
+        let scatter = ratio.max(self.least.powi(2));
+        let cost = n * (scatter.ln() + ratio / scatter);
+        cost * independent + self.price(candidates, independent)
+    }
+
+    /// What was added costs so much of the criterion.
+    pub(crate) fn price(&self, candidates: usize, independent: f64) -> f64 {
+        let numbers = self.occam.price(self.part(independent));
         // A late sensor is plausible, an early one is not. In an autonomous motion the two are
         // indistinguishable.
         let odd = SENSOR_PRICE * self.sensors as f64
             + INPUT_PRICE * self.inputs as f64
             + EARLY_PRICE * self.early as f64;
-        cost * independent + price + 2.0 * ln_choose(candidates, self.effects) + odd
+        numbers + 2.0 * ln_choose(candidates, self.effects) + odd
     }
 
-    /// What counts of the samples in units of the noise: above the noise level the misfit itself sets the scatter.
+    /// What counts of the samples in units of the noise, where the misfit itself sets the scatter.
     pub(crate) fn part(&self, independent: f64) -> f64 {
-        independent / self.fit.powi(2).max(1.0)
+        independent / self.fit.max(self.least).powi(2)
     }
 
     /// The fraction of samples that counts as independent.
@@ -164,6 +171,7 @@ pub(crate) mod tests {
             fit,
             validate,
             predictive: validate,
+            least: 1e-3,
             whiteness: if fit < 1.05 { 1.0 } else { 50.0 },
             samples: 1000,
             judged: 1000,
@@ -211,6 +219,11 @@ pub(crate) mod tests {
         let none = score(1.0, None, 0);
         let price = plain.criterion(30, 1.0) - none.criterion(30, 1.0);
         assert!((price - 4000_f64.ln() - 2.0 * 30_f64.ln()).abs() < 1e-9, "{price}");
+        // Where the noise was taken too large the misfit tells models apart as it does above it, down to the error of the
+        // simulation.
+        let gain = |from, to| score(from, None, 1).criterion(30, 1.0) - score(to, None, 1).criterion(30, 1.0);
+        let small = gain(0.2, 0.1);
+        assert!((gain(8.0, 4.0) - small).abs() < 1e-9 && gain(4e-4, 2e-4) < 0.1 * small, "{small}");
         // Far from the noise Validate records count.
         let far = |fit, validate| score(fit, Some(validate), 0).criterion(30, 1.0);
         assert!(far(9.0, 8.0) < far(9.0, 10.0) && far(9.0, 10.0) == far(5.0, 10.0));

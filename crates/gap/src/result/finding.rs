@@ -11,8 +11,8 @@ pub enum StopReason {
     White,
     /// The residual is at the repeatability of the motion.
     Repeatability,
-    /// What is left is less than what the drawing of the inputs between their samples moves.
-    CoarseInput,
+    /// What is left is no more than what is not known of the inputs: their noise, or how they go between their samples.
+    Inputs,
     /// The model has the largest number of effects allowed.
     EffectLimit,
     /// No law of the catalogue can act, or is worth its price.

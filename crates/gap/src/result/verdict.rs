@@ -10,8 +10,8 @@ use crate::model::{Fitted, Score};
 pub(crate) fn status(last: &Score, repeats: bool, bent: Option<String>) -> (Status, Option<Warning>) {
     let count = last.effects;
     let white = last.explains();
-    // Below the estimated noise, which is an overestimate for clean columns, there is nothing to find.
-    let below = last.fit <= 1.0 && last.gap() <= 1.0;
+    // The error of the simulation is all that is left.
+    let below = last.fit.max(last.gap()) <= last.least;
     let some_left = count + 1 == ELEPHANT && last.fit > CLEAN_FIT && !repeats;
     let covered = count >= ELEPHANT || some_left || bent.is_some();
     let warning = match bent {
