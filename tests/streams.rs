@@ -20,8 +20,8 @@ fn places(times: &[f64]) -> Vec<f64> {
     motion(times).into_iter().map(|(x, _)| x).collect()
 }
 
-/// Places and accelerations there, by steps of 1 us (with 10 us the accelerations are late by what shows) in which friction takes what it can of the speed (J. J. Moreau,
-/// Unilateral contact and dry friction in finite freedom dynamics, 1988).
+/// Places and accelerations there, by steps in which friction takes what it can of the speed (J. J. Moreau, Unilateral
+/// contact and dry friction in finite freedom dynamics, 1988). Steps of 10 us make the accelerations late by what shows.
 fn motion(times: &[f64]) -> Vec<(f64, f64)> {
     let (h, m, k, c) = (1e-6, 1.5, 50.0, 0.5);
     let [mut x, mut v, mut a, mut now] = [0.0_f64; 4];
@@ -372,7 +372,7 @@ fn level(t: f64) -> f64 {
 
 /// A log of the command, at 250 Hz, and of the places of 1.5 kg on 50 N/m with friction on which it acts 20 ms later.
 fn late_command(seconds: f64, dice: &mut Dice) -> String {
-    let (h, m, k, c) = (1e-6, 1.5, 50.0, 0.5);
+    let (h, m, k, c) = (1e-5, 1.5, 50.0, 0.5);
     let [mut x, mut v] = [0.0_f64; 2];
     let mut text = "t,cmd,x\n".to_owned();
     for i in 0..(seconds / h) as usize {

@@ -365,7 +365,8 @@ impl<'s, 'a> Ending<'s, 'a> {
     }
 
     /// Drops the effects that the drawing of the inputs between their samples leaves open, where the rest of
-    /// the model is as good as that drawing allows. A model that explains the records needs no excuse: with fewer effects no drawing did, for [`redrawn`] has tried them.
+    /// the model is as good as that drawing allows. A model that explains the records needs no excuse: with fewer
+    /// effects no drawing did, for [`redrawn`] has tried them.
     fn coarse_inputs(&mut self) -> Result<(), GapError> {
         if self.last.score.explains() || self.interrupted() {
             return Ok(());
