@@ -153,7 +153,9 @@ impl<'s, 'a> Ending<'s, 'a> {
         // No result claims more than its own probability, and a formula no more than that of a force without one.
         let unlikely = |s: &Step| s.probability.is_some() && !s.is_sure();
         let unlikely_law = |s: &Step| unlikely(s) && s.effect.entry.id != DISCOVERED;
-        let none = if self.interrupted() { None } else { probability_of_none(&self.last, &self.noise) };
+        let exact = self.last.score.is_simulated_exactly();
+        let none =
+            if self.interrupted() || exact { None } else { probability_of_none(&self.last, &self.noise) };
         let status = match status {
             // With inputs drawn in another way the laws were not fitted.
             Status::NothingMissing

@@ -58,6 +58,11 @@ impl Score {
         self.whiteness < NOT_WHITE
     }
 
+    /// Whether the error of the simulation is all that is left.
+    pub(crate) fn is_simulated_exactly(&self) -> bool {
+        self.fit.max(self.gap()) <= self.least
+    }
+
     /// Whether the residual is white and the gap is at the noise level, on Validate records too.
     pub(crate) fn explains(&self) -> bool {
         self.is_white() && self.gap() < self.at_noise()

@@ -10,8 +10,6 @@ use crate::model::{Fitted, Score};
 pub(crate) fn status(last: &Score, repeats: bool, bent: Option<String>) -> (Status, Option<Warning>) {
     let count = last.effects;
     let white = last.explains();
-    // The error of the simulation is all that is left.
-    let below = last.fit.max(last.gap()) <= last.least;
     let some_left = count + 1 == ELEPHANT && last.fit > CLEAN_FIT && !repeats;
     let covered = count >= ELEPHANT || some_left || bent.is_some();
     let warning = match bent {
@@ -19,7 +17,7 @@ pub(crate) fn status(last: &Score, repeats: bool, bent: Option<String>) -> (Stat
         Some(at) => Some(Warning::Curve { count: BENT, at }),
         None => covered.then_some(Warning::ManyEffects { count, some_left }),
     };
-    let status = match ((white || repeats || below) && !covered, count == 0) {
+    let status = match ((white || repeats || last.is_simulated_exactly()) && !covered, count == 0) {
         (true, true) => Status::NothingMissing,
         (true, false) => Status::Explained,
         (false, _) => Status::Unexplained,
