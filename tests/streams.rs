@@ -21,7 +21,7 @@ fn places(times: &[f64]) -> Vec<f64> {
 }
 
 /// Places and accelerations there, by steps in which friction takes what it can of the speed (J. J. Moreau, Unilateral
-/// contact and dry friction in finite freedom dynamics, 1988). Steps of 10 us make the accelerations late by what shows.
+/// contact and dry friction in finite freedom dynamics, 1988). With steps of 10 us the accelerations would be visibly late.
 fn motion(times: &[f64]) -> Vec<(f64, f64)> {
     let (h, m, k, c) = (1e-6, 1.5, 50.0, 0.5);
     let [mut x, mut v, mut a, mut now] = [0.0_f64; 4];

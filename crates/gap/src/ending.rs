@@ -68,9 +68,7 @@ impl<'s, 'a> Ending<'s, 'a> {
     ) -> Result<Self, GapError> {
         let Searched { base, last, rounds, candidates, stop, needed, tried, force, changed } = searched;
         let (base, last) = (base.chosen(), last.chosen());
-        // A white residual is the noise itself: a better estimate than the one from the columns.
-        let white = last.score.is_white();
-        let noise = if white { last.noise(search.noise) } else { last.least_noise(search.noise) };
+        let noise = last.noise_left(search.noise);
         let (base, last) = (base.measured_by(&noise), last.measured_by(&noise));
         warnings.extend(data_mistakes(&base).into_iter().map(Warning::Data));
         search.observer.tell(SEARCHED, Activity::ErrorBars);
@@ -153,9 +151,7 @@ impl<'s, 'a> Ending<'s, 'a> {
         // No result claims more than its own probability, and a formula no more than that of a force without one.
         let unlikely = |s: &Step| s.probability.is_some() && !s.is_sure();
         let unlikely_law = |s: &Step| unlikely(s) && s.effect.entry.id != DISCOVERED;
-        let exact = self.last.score.is_simulated_exactly();
-        let none =
-            if self.interrupted() || exact { None } else { probability_of_none(&self.last, &self.noise) };
+        let none = if self.interrupted() { None } else { probability_of_none(&self.last, &self.noise) };
         let status = match status {
             // With inputs drawn in another way the laws were not fitted.
             Status::NothingMissing
@@ -518,7 +514,7 @@ impl<'s, 'a> Ending<'s, 'a> {
     fn compare_near_rivals(&mut self) {
         self.compared = true;
         let Ending { last, noise, rounds, candidates, open, .. } = self;
-        // What another drawing of the inputs may do tells nothing of two laws.
+        // Where another drawing of the inputs moves the model more than two laws differ, nothing tells them apart.
         let score = |f: &Fitted| Score { least: f.score.least.max(*open), ..f.score.clone() };
         let kept = rounds.iter_mut().filter(|round| round.before < last.model.effects.len());
         let Some(round) = kept.max_by_key(|round| round.before) else { return };

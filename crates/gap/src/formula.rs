@@ -23,7 +23,6 @@ use crate::decisions::{
 };
 use crate::evidence::stands;
 use crate::model::{Fitted, Measure, TrialModel, current};
-use crate::other_causes::input_noise;
 use crate::place::{Effect, Place, Site, fits};
 use crate::plausibility::{cancelling, vetoed};
 use crate::result::{Activity, MissingForce, PlacedLaw, Rival, StopReason, Veto, Vetoed};
@@ -85,12 +84,6 @@ struct Found {
 }
 
 impl Search<'_> {
-    /// Whether a model leaves no more than the noise of the measured inputs does alone, which no force
-    /// describes.
-    pub(crate) fn left_by_input_noise(&self, of: &Fitted) -> bool {
-        input_noise(of, self.noise).is_some_and(|noise| noise.left <= noise.most)
-    }
-
     /// A search that ended without an explanation, or with one that evidence speaks against, with a formula
     /// if there is one that explains the data: beside the model as it is, else beside the effects that were
     /// found.

@@ -24,8 +24,11 @@ use phisindy_expr::{Id, Tape};
 use phisindy_phys::spec::Role;
 
 /// The probability that the missing force is none of the laws of a model; `None` where it has no force, or the
-/// records show none. What another drawing of the inputs between their samples does to the runs is no force, nor is hum.
+/// records show none, or only the error of the simulation is left. What another drawing of the inputs between their samples does to the runs is no force, nor is hum.
 pub(crate) fn probability(last: &Fitted, noise: &[Vec<f64>]) -> Option<f64> {
+    if last.score.is_exact() {
+        return None;
+    }
     let mut places: Vec<&Place> = vec![];
     for place in last.model.effects.iter().map(|a| &a.effect.place) {
         if matches!(place.site, Site::Force { .. }) && !places.iter().any(|known| known.at == place.at) {

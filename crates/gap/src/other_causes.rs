@@ -57,10 +57,10 @@ pub(crate) fn input_noise(last: &Fitted, noise: &[Vec<f64>]) -> Option<InputNois
     let settled = last.settled();
     // A fit to other inputs moves the runs no more than these inputs do while the numbers stay.
     let moves = |draw: usize| moved(last, &disturbed(&settled, draw)?.0, noise);
-    let all: Vec<f64> = (0..INPUT_NOISE_BLOCK).into_par_iter().filter_map(moves).collect();
-    let little =
-        all.iter().sum::<f64>() <= INPUT_NOISE_PART * (last.score.fit.powi(2) - 1.0) * all.len() as f64;
-    if last.judged_by() == Role::Fit && little {
+    let powers: Vec<f64> = (0..INPUT_NOISE_BLOCK).into_par_iter().filter_map(moves).collect();
+    let mean = powers.iter().sum::<f64>() / powers.len() as f64;
+    let little = mean <= INPUT_NOISE_PART * (last.score.fit.powi(2) - 1.0);
+    if mean == 0.0 || last.judged_by() == Role::Fit && little {
         return None;
     }
     let apart = |draw: usize| {

@@ -20,6 +20,7 @@ use crate::evidence::{against, stands};
 use crate::impacts::with_impact;
 use crate::input_interpolation::Drawing;
 use crate::model::{Fitted, Measure, Score, TrialModel, current};
+use crate::other_causes::input_noise;
 use crate::place::Effect;
 use crate::plausibility::{may_be_undetermined, vetoed};
 use crate::result::tried::weighed;
@@ -150,9 +151,14 @@ impl Search<'_> {
         by.score.explains() || self.at_floor(by)
     }
 
-    /// Whether a model leaves no more than what is not known of the inputs: their noise, or how they are drawn.
+    /// Whether a model leaves no more than what is not known of the inputs: how they are drawn, or their noise.
     fn inputs_leave(&self, of: &Fitted, drawing: &Drawing<'_>) -> bool {
         drawing.hides_the_rest(of) || self.left_by_input_noise(of)
+    }
+
+    /// Whether a model leaves no more than the noise of the measured inputs does alone, which no force describes.
+    pub(crate) fn left_by_input_noise(&self, of: &Fitted) -> bool {
+        input_noise(of, self.noise).is_some_and(|noise| noise.left <= noise.most)
     }
 
     /// Whether a model leaves no more than the scatter of the rig.

@@ -55,15 +55,15 @@ pub fn gap(
         warnings.push(Warning::UnknownLeftOut { candidates: !case.system.terms.is_empty() });
     }
     let text = if case.is_open() { without_unknown(text)? } else { text.to_owned() };
-    let whole = without_candidates(spec, case.clone(), records.clone()).ok_or_else(unreadable)?;
+    let whole = without_candidates(spec, case, records).ok_or_else(unreadable)?;
     let mut observe = |part: f64, what: Activity| observe(part, what).is_break();
     Observer::during(&mut observe, |observer| {
         observer.tell(0.0, Activity::Calibrating);
         let whole = whole.stopped_by(observer.stop());
         let short = shortened(&whole.records).map(|records| whole.for_records(records));
-        let noise = noise_left(short.as_ref().unwrap_or(&whole), noise_of(&records));
-        mostly_noise(&records, &noise)?;
-        let (repeat, floor) = floor(&case, &records, &noise);
+        let noise = least_noise(short.as_ref().unwrap_or(&whole), noise_of(&whole.records));
+        mostly_noise(&whole.records, &noise)?;
+        let (repeat, floor) = floor(&whole.system, &whole.records, &noise);
         let mut search = Search { catalogue, noise: &noise, floor, observer };
         let searched = from_estimate_or_rest(&mut search, whole, short).map_err(GapError::Numerics)?;
         Ending::new(searched, &mut search, warnings)?.finished(&text, repeat)
@@ -88,12 +88,11 @@ pub struct Standing {
 pub fn standing(spec: Spec, case: Case, records: Vec<Record>) -> Result<Standing, GapError> {
     suitable(&case.system, &records)?;
     let noise = noise_of(&records);
-    let fitted = Fitted::new(TrialModel::base(spec, case.clone(), records.clone()), &noise, Effort::Plain);
+    let fitted = Fitted::new(TrialModel::base(spec, case, records), &noise, Effort::Plain);
     let fitted = fitted.map_err(GapError::Numerics)?;
-    let (_, floor) = floor(&case, &records, &fitted.least_noise(&noise));
-    // The columns tell the noise of few samples to some per cent only; a white residual is the noise.
-    let noise = if fitted.score.is_white() { fitted.noise(&noise) } else { fitted.least_noise(&noise) };
-    let fitted = fitted.measured_by(&noise);
+    let model = &fitted.model;
+    let (_, floor) = floor(&model.system, &model.records, &fitted.least_noise(&noise));
+    let fitted = fitted.clone().measured_by(&fitted.noise_left(&noise));
     let explains = fitted.score.explains() || at_floor(&fitted, floor);
     Ok(Standing { gap: fitted.score.gap(), samples: fitted.score.judged, explains })
 }
@@ -145,7 +144,7 @@ fn on_shortened(
 }
 
 /// The noise of every measured column by record: what the columns tell, but no more than the model as it is leaves.
-fn noise_left(model: &TrialModel, noise: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+fn least_noise(model: &TrialModel, noise: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
     match Fitted::new(model.clone(), &noise, Effort::Plain) {
         Ok(fitted) => fitted.least_noise(&noise),
         Err(_) => noise,
@@ -201,7 +200,7 @@ fn without_candidates(spec: Spec, case: Case, records: Vec<Record>) -> Option<Tr
 
 /// Repeatability of every column, and the gap that corresponds to it on the Validate records (on all records
 /// if there are none). The gap is 0 where the motion is not periodic.
-fn floor(case: &Case, records: &[Record], noise: &[Vec<f64>]) -> (Vec<ColumnRepeat>, f64) {
+fn floor(system: &System, records: &[Record], noise: &[Vec<f64>]) -> (Vec<ColumnRepeat>, f64) {
     let validates = records.iter().any(|r| r.role == Role::Validate);
     let mut all = Vec::new();
     let (mut sum, mut count) = (0.0, 0usize);
@@ -211,9 +210,8 @@ fn floor(case: &Case, records: &[Record], noise: &[Vec<f64>]) -> (Vec<ColumnRepe
         for ((k, (time, column)), noise) in measured.zip(&noise[r]) {
             let counts = !validates || record.role == Role::Validate;
             // The larger of the scatter within a record and the change from one half to the next.
-            let own = repeatability(&time, &column).filter(|r| {
-                Drive::new(&case.system, record).is_some_and(|mut drive| drive.repeats(r.period))
-            });
+            let own = repeatability(&time, &column)
+                .filter(|r| Drive::new(system, record).is_some_and(|mut drive| drive.repeats(r.period)));
             let carried = record.continues.and_then(|before| {
                 let (earlier, before) = records[before].own_column(k)?;
                 prediction((&earlier, &before), (&time, &column))
@@ -230,7 +228,7 @@ fn floor(case: &Case, records: &[Record], noise: &[Vec<f64>]) -> (Vec<ColumnRepe
                     }
                     all.push(ColumnRepeat {
                         record: record.name.clone(),
-                        column: case.system.measured(k).0.to_owned(),
+                        column: system.measured(k).0.to_owned(),
                         repeat: found,
                     });
                 }

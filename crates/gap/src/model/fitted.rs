@@ -1,7 +1,7 @@
 //! A fitted model: calibration, score and residual noise.
 
 use super::error::ModelError;
-use super::input_error::{ColumnError, input_errors};
+use super::input_error::{ColumnError, input_errors, rms};
 use super::occam_factor::OccamFactor;
 use super::score::Score;
 use super::trial_model::TrialModel;
@@ -168,8 +168,8 @@ impl Fitted {
             }
             let form = growing.get(k).copied().flatten().zip(record.own_column(k));
             let grown = form.map_or(0.0, |(form, (_, column))| form.root_mean_square(&column));
-            let all = (residual.iter().map(|e| e * e).sum::<f64>() / residual.len() as f64).sqrt();
-            let level = noise_level_at(&record.own_times.of(k, &record.time), &residual).min(all);
+            let level = noise_level_at(&record.own_times.of(k, &record.time), &residual)
+                .min(rms(residual.iter().copied()));
             grown.max(level).max(record.rounding(k)).max(least_noise_of(record, k))
         };
         let record = |r: usize| {
@@ -192,6 +192,11 @@ impl Fitted {
         let all = self.model.records.iter().zip(noise.iter().zip(self.noise(noise)));
         all.map(|(record, (own, left))| own_samples(record).zip(own.iter().zip(left)).map(less).collect())
             .collect()
+    }
+
+    /// The noise by what the model leaves: a white residual is the noise itself, any other one bounds it.
+    pub(crate) fn noise_left(&self, noise: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        if self.score.is_white() { self.noise(noise) } else { self.least_noise(noise) }
     }
 
     /// Recomputes the gaps in units of this noise.
@@ -443,8 +448,8 @@ mod tests {
     use crate::test_models::model;
     use std::f64::consts::SQRT_2;
 
-    /// The differences of four samples in a period take the motion for noise. Those of forty do not, and what the model leaves
-    /// says the same. The noise is a hundredth of the standard deviation of the motion.
+    /// With four samples in a period the column alone gives a level that is mostly motion; the model gives that of the noise.
+    /// With forty both give that of the noise, a hundredth of the motion.
     #[test]
     fn noise_is_no_more_than_the_model_leaves() {
         let levels = |step: f64, duration: f64| {

@@ -66,7 +66,7 @@ fn with_finer_inputs(record: &Record) -> Option<Record> {
     Some(Record { inputs: inputs.collect(), ..record.clone() })
 }
 
-fn rms(values: impl ExactSizeIterator<Item = f64>) -> f64 {
+pub(super) fn rms(values: impl ExactSizeIterator<Item = f64>) -> f64 {
     let n = values.len().max(1) as f64;
     (values.map(|v| v * v).sum::<f64>() / n).sqrt()
 }

@@ -59,7 +59,7 @@ impl Score {
     }
 
     /// Whether the error of the simulation is all that is left.
-    pub(crate) fn is_simulated_exactly(&self) -> bool {
+    pub(crate) fn is_exact(&self) -> bool {
         self.fit.max(self.gap()) <= self.least
     }
 
@@ -81,8 +81,8 @@ impl Score {
     /// Far from the noise a rich law adapts to the Fit records whatever is missing, so the gap on the
     /// Validate records replaces the one on Fit records.
     ///
-    /// The misfit itself sets the scatter. The residual of a real rig is many times its sensor noise, and a law that removes
-    /// one per cent of it explains nothing; and the noise of a column that has few samples in a period is taken too large.
+    /// The misfit itself sets the scatter. A real rig leaves many times its sensor noise, and a law that removes one per cent
+    /// of that explains nothing. A column with few samples in a period gives too large a noise, which must hide no law.
     pub(crate) fn criterion(&self, candidates: usize, independent: f64) -> f64 {
         let n = self.samples as f64;
         // The misfit of the free run: segments with their own start states would flatter a model that cannot

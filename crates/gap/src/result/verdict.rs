@@ -17,7 +17,7 @@ pub(crate) fn status(last: &Score, repeats: bool, bent: Option<String>) -> (Stat
         Some(at) => Some(Warning::Curve { count: BENT, at }),
         None => covered.then_some(Warning::ManyEffects { count, some_left }),
     };
-    let status = match ((white || repeats || last.is_simulated_exactly()) && !covered, count == 0) {
+    let status = match ((white || repeats || last.is_exact()) && !covered, count == 0) {
         (true, true) => Status::NothingMissing,
         (true, false) => Status::Explained,
         (false, _) => Status::Unexplained,
