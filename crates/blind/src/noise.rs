@@ -198,7 +198,7 @@ fn found(name: &str, odd: &Odd, seed: u64, set: usize) -> Result<Option<Found>> 
     let mut loaded = open_text(&text, Path::new(name), &Request::default(), Purpose::Run)
         .map_err(|why| anyhow!("{name}, set {set}: {why}"))?;
     loaded.records = vec![measured(&loaded.records[0], odd, &mut dice)?];
-    let found = loaded.identified(&LearnOptions { method: None }, &mut |_| ControlFlow::Continue(()));
+    let found = loaded.identified(&LearnOptions::default(), &mut |_| ControlFlow::Continue(()));
     Ok(found.ok().and_then(|(_, found)| {
         let parameter =
             |name: &str| found.parameters.iter().find(|p| p.id.to_string() == name).map(|p| p.estimate);

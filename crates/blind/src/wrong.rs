@@ -204,7 +204,7 @@ fn true_coefficients(loaded: &Loaded, rig: &Rig) -> (Vec<f64>, bool) {
 /// The result of the program for a set.
 fn outcome(set: &Set) -> Outcome {
     let loaded = &set.loaded;
-    let options = LearnOptions { method: None };
+    let options = LearnOptions::default();
     let identified = identify(&loaded.case, &loaded.records, &options, &mut |_| ControlFlow::Continue(()));
     let mut out =
         Outcome { said: set.said.clone(), inside: set.inside, visible: set.visible, ..Outcome::default() };

@@ -214,7 +214,7 @@ fn one(plan: &Plan, cell: usize, seed: u64) -> Run {
         load_text(&plan.spec, text.clone(), &options.request(), Purpose::Run, &mut sources, &mut found);
     let run = match (loaded, truth) {
         (Ok(loaded), Ok(NamedTruth { truth, .. })) => {
-            let learn = LearnOptions { method: options.method.map(Into::into) };
+            let learn = LearnOptions { method: options.method.map(Into::into), ..Default::default() };
             let least = bound(&loaded.case, &loaded.records, &loaded.truths, truth);
             let one = sweep_one(&loaded.case, &loaded.records, truth, &learn);
             summary(one, least.unwrap_or_default())

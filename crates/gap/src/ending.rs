@@ -6,7 +6,7 @@ mod probability;
 use crate::alternative_constant::alternative_constant;
 use crate::changed_constants::ChangedConstants;
 use crate::data_mistakes::data_mistakes;
-use crate::decisions::{MOST_OF_RESIDUAL, REPEATS, SAME_FREQUENCY, SAME_MOTION, SUBSTANTIAL, WORTH};
+use crate::decisions::{REPEATS, SAME_FREQUENCY, SAME_MOTION, SUBSTANTIAL, WORTH};
 use crate::drive::Drive;
 use crate::drive_frequency::drive_frequency;
 use crate::formula::{DISCOVERED, expansion};
@@ -19,14 +19,14 @@ use crate::none_of_these::probability as probability_of_none;
 use crate::other_causes::{causes, input_noise};
 use crate::place::Site;
 use crate::plausibility::{cancelling, pressed, vetoed};
-use crate::pushes::Pushed;
+use crate::pushes::{Pushed, takes_most};
 use crate::result::verdict::{bent, helpful, refused, status};
 use crate::result::{
     Activity, Alternative, Cancelling, ColumnGap, ColumnRepeat, Gap, GapError, InputError, MissingForce,
     Named, NotTried, PlacedLaw, Push, RecordValue, Region, Rival, Simulated, Status, Step, StepParameter,
     StopReason, Tried, Veto, Vetoed, Warning, observed_ranges, regions,
 };
-use crate::search::{Round, SEARCHED, Search, Searched, placed, refitted, round_from};
+use crate::search::{Round, SEARCHED, Search, Searched, placed, refitted, rival, round_from};
 use crate::sensor_linearity::sensor_nonlinearity;
 use crate::spec_mistakes::spec_mistake;
 use phisindy_learn::{Effort, FoundParameter, Identified, at_bounds, free_run_horizons, sensitive_starts};
@@ -151,7 +151,10 @@ impl<'s, 'a> Ending<'s, 'a> {
         // No result claims more than its own probability, and a formula no more than that of a force without one.
         let unlikely = |s: &Step| s.probability.is_some() && !s.is_sure();
         let unlikely_law = |s: &Step| unlikely(s) && s.effect.entry.id != DISCOVERED;
-        let none = if self.interrupted() { None } else { probability_of_none(&self.last, &self.noise) };
+        // What is no more than the noise of the inputs leaves is no force.
+        let by_inputs = matches!(&alternative, Some(Alternative::InputNoise(n)) if n.left <= n.most);
+        let none =
+            if self.interrupted() || by_inputs { None } else { probability_of_none(&self.last, &self.noise) };
         let status = match status {
             // With inputs drawn in another way the laws were not fitted.
             Status::NothingMissing
@@ -172,9 +175,8 @@ impl<'s, 'a> Ending<'s, 'a> {
             }
             other => other,
         };
-        // What is left of an answer, or is no more than the noise of its inputs leaves, is no force.
+        // What is left of an answer is no force.
         let answered = matches!(status, Status::Explained | Status::Described)
-            || matches!(&alternative, Some(Alternative::InputNoise(n)) if n.left <= n.most)
             || matches!(&alternative, Some(Alternative::Pushes(_)));
         let none = none.filter(|p| *p <= 0.5 || !answered);
         // What was stopped was not compared with all that could do as well.
@@ -247,15 +249,51 @@ impl<'s, 'a> Ending<'s, 'a> {
         }
     }
 
-    /// Whether the effects are worth their price where a random force is left with them and without them: the noise of an
-    /// input is one.
-    fn is_more_than_noise_of_inputs(&self) -> bool {
-        let criterion = |f: &Fitted| {
-            let deviance = self.with_random_force(f)?.deviance?;
-            Some(deviance + f.score.price(self.candidates, f.score.independent()))
+    /// The criterion of a model beside a random force, and that fit. The noise of an input is a random force, and a free run
+    /// bends each law to it.
+    fn beside_a_random_force(&self, of: &Fitted) -> Option<(f64, Identified)> {
+        let observer = &self.search.observer;
+        let found = of.settled().refitted_with_random_force(&|| observer.stopped())?;
+        Some((found.deviance? + of.score.price(self.candidates, of.score.independent()), found))
+    }
+
+    /// Compares the answer, whose criterion beside a random force is `own`, with the rivals of its last round. The best one is
+    /// the answer if it leaves at most the gap `most`. Returns the criterion of the answer.
+    fn compare_beside_a_random_force(&mut self, own: f64, most: f64) -> Result<f64, GapError> {
+        let Some(k) = self.last_round() else { return Ok(own) };
+        let compared = |rival: &Rival| {
+            let model = rival.model.as_deref()?.clone();
+            let mut fitted = Fitted::new(model, &self.noise, Effort::Thorough).ok()?;
+            let (criterion, found) = self.beside_a_random_force(&fitted)?;
+            take_numbers(&mut fitted, &found);
+            let possible = vetoed(&fitted).is_empty();
+            possible.then(|| (Rival { delta_bic: criterion - own, ..rival.clone() }, fitted))
         };
-        let gain = || Some(criterion(&self.base)? - criterion(&self.last)?);
-        !self.last.model.effects.is_empty() && gain().is_some_and(|gain| gain > WORTH)
+        let mut all: Vec<(Rival, Fitted)> = self.rounds[k].rivals.par_iter().filter_map(compared).collect();
+        all.sort_by(|a, b| a.0.delta_bic.total_cmp(&b.0.delta_bic));
+        let better = |(rival, f): &(Rival, Fitted)| rival.delta_bic < 0.0 && f.score.gap() <= most;
+        let mut rivals: Vec<Rival> = vec![];
+        let mut gained = 0.0;
+        if all.first().is_some_and(better) {
+            let (best, fitted) = all.remove(0);
+            gained = best.delta_bic;
+            rivals.push(rival(&self.last, self.rounds[k].before, 0.0));
+            let base = self.base.clone();
+            self.take(&base, fitted)?;
+        }
+        let same = |f: &Fitted| self.last.apart(f, &self.noise) < SAME_MOTION;
+        rivals.extend(all.into_iter().map(|(rival, f)| Rival { same: same(&f), ..rival }));
+        rivals.iter_mut().for_each(|rival| rival.delta_bic -= gained);
+        self.rounds[k].rivals = rivals;
+        self.compared = true;
+        Ok(own + gained)
+    }
+
+    /// The last round that added something to the final model.
+    fn last_round(&self) -> Option<usize> {
+        let effects = self.last.model.effects.len();
+        let kept = (0..self.rounds.len()).filter(|k| self.rounds[*k].before < effects);
+        kept.max_by_key(|k| self.rounds[*k].before)
     }
 
     /// The fit of a model that leaves a random force on each body.
@@ -272,21 +310,16 @@ impl<'s, 'a> Ending<'s, 'a> {
         other: Option<&Alternative>,
         searched: &[Fitted],
     ) -> Result<Option<Vec<Push>>, GapError> {
-        // A law acts in all records. One that takes most of the gap of the Validate records alone does not explain the push
-        // in a Fit record.
-        let beyond = |f: &Fitted| [f.score.fit, f.score.gap()].map(|gap| gap.powi(2) - 1.0);
-        let before = beyond(&self.base).map(|left| (1.0 - MOST_OF_RESIDUAL) * left);
-        let by_a_law = |f: &Fitted| beyond(f).iter().zip(before).all(|(left, most)| *left < most);
         if status != Status::Unexplained
             || other.is_some()
-            || searched.iter().any(by_a_law)
+            || searched.iter().any(|f| takes_most(f, &self.base))
             || self.interrupted()
         {
             return Ok(None);
         }
         let observer = &self.search.observer;
         let base = &self.path[0];
-        let found = base.model.pushes(&base.cal.records, &self.noise, &|| observer.stopped());
+        let found = base.settled().pushes(&base.cal.records, &self.noise, &|| observer.stopped());
         let Some(Pushed { pushes, between, .. }) = found.filter(|p| self.pushes_are_sure(p, base)) else {
             return Ok(None);
         };
@@ -333,13 +366,7 @@ impl<'s, 'a> Ending<'s, 'a> {
 
     /// Takes the numbers that another fit of the final model found.
     fn take_numbers(&mut self, found: &Identified) {
-        for p in &mut self.last.cal.parameters {
-            let of = |q: &&FoundParameter| q.id == p.id && q.estimate.value.is_finite();
-            if let Some(found) = found.parameters.iter().find(of) {
-                *p = found.clone();
-            }
-        }
-        self.last.model = self.last.settled();
+        take_numbers(&mut self.last, found);
     }
 
     /// Whether the work is to end.
@@ -422,7 +449,7 @@ impl<'s, 'a> Ending<'s, 'a> {
         &mut self,
         mut status: Status,
         repeats: bool,
-        determined: usize,
+        mut determined: usize,
     ) -> Result<(Status, Option<Alternative>, usize), GapError> {
         let whole = self.last.clone();
         let interrupted = self.interrupted();
@@ -479,12 +506,22 @@ impl<'s, 'a> Ending<'s, 'a> {
         if alternative.is_none() && !interrupted {
             let noise = input_noise(&self.last, &self.noise);
             // What the noise of the inputs leaves is no force: the model is as good as they are.
-            let whole = helps == determined && helps == whole.model.effects.len() && mixed.is_none();
-            if let Some(n) = noise.as_ref().filter(|n| whole && n.left <= n.most) {
-                let complete = self.base.score.gap() <= n.most && !self.is_more_than_noise_of_inputs();
-                status = if complete { Status::NothingMissing } else { Status::Explained };
-                if status == Status::NothingMissing && helps > 0 {
+            if let Some(n) = noise.as_ref().filter(|n| mixed.is_none() && n.left <= n.most) {
+                let clear = helps == determined;
+                let of = |f: &Fitted| self.beside_a_random_force(f).map(|(criterion, _)| criterion);
+                let (without, own) = (of(&self.base), of(&whole));
+                let pays = |own: Option<f64>| without.zip(own).is_some_and(|(a, b)| a - b > WORTH);
+                if self.base.score.gap() <= n.most && (whole.model.effects.is_empty() || !pays(own)) {
+                    status = Status::NothingMissing;
                     self.keep(0)?;
+                } else if let (Some(own), true) = (own, helps == whole.model.effects.len()) {
+                    let best = self.compare_beside_a_random_force(own, n.most)?;
+                    if clear || best < own {
+                        (status, determined) = match pays(Some(best)) {
+                            true => (Status::Explained, self.last.model.effects.len()),
+                            false => (Status::Undetermined, 0),
+                        };
+                    }
                 }
             }
             alternative = noise.map(Alternative::InputNoise);
@@ -513,11 +550,11 @@ impl<'s, 'a> Ending<'s, 'a> {
     /// Of rivals that no record tells apart the best one stays.
     fn compare_near_rivals(&mut self) {
         self.compared = true;
+        let Some(round) = self.last_round() else { return };
         let Ending { last, noise, rounds, candidates, open, .. } = self;
         // Where another drawing of the inputs moves the model more than two laws differ, nothing tells them apart.
         let score = |f: &Fitted| Score { least: f.score.least.max(*open), ..f.score.clone() };
-        let kept = rounds.iter_mut().filter(|round| round.before < last.model.effects.len());
-        let Some(round) = kept.max_by_key(|round| round.before) else { return };
+        let round = &mut rounds[round];
         // What no record tells apart is one answer whatever is more plausible beforehand.
         let beforehand = most_apart_beforehand(*candidates);
         let compared = |mut rival: Rival| {
@@ -579,6 +616,17 @@ impl<'s, 'a> Ending<'s, 'a> {
             vetoed: round.map_or(vec![], |r| r.vetoed.clone()),
         }
     }
+}
+
+/// Takes the numbers that another fit of a model found.
+fn take_numbers(of: &mut Fitted, found: &Identified) {
+    for p in &mut of.cal.parameters {
+        let same = |q: &&FoundParameter| q.id == p.id && q.estimate.value.is_finite();
+        if let Some(found) = found.parameters.iter().find(same) {
+            *p = found.clone();
+        }
+    }
+    of.model = of.settled();
 }
 
 /// The frequency of the drive (rad/s), where every Fit record is a periodic motion at this one.

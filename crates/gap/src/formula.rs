@@ -91,7 +91,8 @@ impl Search<'_> {
         let (searched, linear) = self.with_changed_constants(searched);
         let explained = self.explained(&searched.last);
         let done = explained && !doubted(&searched.last, &searched.needed, self.noise);
-        let ended = matches!(searched.stop, StopReason::Interrupted | StopReason::Inputs);
+        let ended =
+            matches!(searched.stop, StopReason::Interrupted | StopReason::Inputs | StopReason::Pushes);
         if done && !ended {
             return self.in_place_of_many_numbers(searched);
         }

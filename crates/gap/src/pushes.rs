@@ -1,8 +1,8 @@
 //! Pushes that nobody measured. A model that is right between them leaves nothing where the records are cut there, and a
 //! force of the motion is not gone with a few cuts.
 
-use crate::decisions::{FEWEST_SAMPLES, MOST_PUSHES, PUSHED_PART};
-use crate::model::{TrialModel, power_of};
+use crate::decisions::{FEWEST_SAMPLES, MOST_OF_RESIDUAL, MOST_PUSHES, PUSHED_PART};
+use crate::model::{Fitted, Measure, TrialModel, is_sure, power_of};
 use crate::result::Push;
 use phisindy_learn::{Identified, LearnOptions, RecordFit, identify};
 use phisindy_phys::spec::{Method, Role};
@@ -56,15 +56,40 @@ pub(crate) struct Pushed {
     pub(crate) numbers: usize,
 }
 
+impl Pushed {
+    /// Whether they are sure beside `base`, the model that they act on, and beside laws that lower its criterion by so much.
+    pub(crate) fn is_sure(&self, base: &Fitted, candidates: usize, laws: impl Iterator<Item = f64>) -> bool {
+        let of = |left: f64, numbers: usize| base.score.of_samples(left, self.samples, numbers);
+        let (without, with) = (of(self.left[0], 0), of(self.left[1], self.numbers));
+        let by = Measure::of([&with, &without], candidates);
+        is_sure(by.criterion(&without) - by.criterion(&with), laws.chain([0.0]))
+    }
+}
+
+/// Whether a model takes most of the residual of `base`. A law acts in all records: one that takes most of the gap of the
+/// Validate records alone does not explain a push in a Fit record.
+pub(crate) fn takes_most(of: &Fitted, base: &Fitted) -> bool {
+    let beyond = |f: &Fitted| [f.score.fit, f.score.gap()].map(|gap| gap.powi(2) - 1.0);
+    beyond(of).iter().zip(beyond(base)).all(|(left, before)| *left < (1.0 - MOST_OF_RESIDUAL) * before)
+}
+
 impl TrialModel {
     /// The fit of this model, as it is, that leaves a random force on each body.
     pub(crate) fn with_random_force(&self, stopped: &(dyn Fn() -> bool + Sync)) -> Option<Identified> {
-        self.of_pieces(&self.whole(), None, stopped)
+        self.of_pieces(&self.whole(), None, false, stopped)
+    }
+
+    /// The same of a model that was fitted before.
+    pub(crate) fn refitted_with_random_force(
+        &self,
+        stopped: &(dyn Fn() -> bool + Sync),
+    ) -> Option<Identified> {
+        self.of_pieces(&self.whole(), None, true, stopped)
     }
 
     /// The same, of all records together.
     pub(crate) fn of_all_with_random_force(&self, stopped: &(dyn Fn() -> bool + Sync)) -> Option<Identified> {
-        self.of_pieces(&self.whole(), Some(Role::Fit), stopped)
+        self.of_pieces(&self.whole(), Some(Role::Fit), false, stopped)
     }
 
     /// Each record as one piece.
@@ -78,6 +103,7 @@ impl TrialModel {
         &self,
         pieces: &[Piece],
         role: Option<Role>,
+        fitted_before: bool,
         stopped: &(dyn Fn() -> bool + Sync),
     ) -> Option<Identified> {
         let whole = |p: &Piece| p.samples.len() == self.records[p.record].len();
@@ -100,10 +126,12 @@ impl TrialModel {
             with_constants: None,
         };
         let mut observe = |_: f64| if stopped() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
-        identify(&case, &records, &LearnOptions { method: Some(Method::Trajectory) }, &mut observe).ok()
+        let options = LearnOptions { method: Some(Method::Trajectory), fitted_before };
+        identify(&case, &records, &options, &mut observe).ok()
     }
 
-    /// The pushes without which this model leaves nothing; none where there are no such pushes. `without` is its fit.
+    /// The pushes without which this model, which was fitted before, leaves nothing; none where there are no such pushes.
+    /// `without` is its fit.
     pub(crate) fn pushes(
         &self,
         without: &[RecordFit],
@@ -114,7 +142,8 @@ impl TrialModel {
         let mut pieces = self.whole();
         let mut cuts: Vec<Cut> = vec![];
         loop {
-            let found = self.of_pieces(&pieces, Some(Role::Fit), stopped).filter(|f| !f.interrupted())?;
+            let found =
+                self.of_pieces(&pieces, Some(Role::Fit), true, stopped).filter(|f| !f.interrupted())?;
             let strongest = found.remainder.iter().max_by(|a, b| a.share.total_cmp(&b.share));
             let Some(left) = strongest else { break };
             // What mostly follows the motion is a law that is missing.
@@ -149,7 +178,7 @@ impl TrialModel {
         }
         cuts.sort_by_key(|cut| (cut.record, cut.samples.start));
         let pushes = cuts.iter().map(|cut| self.push(cut)).collect();
-        let found = self.of_pieces(&pieces, None, stopped)?;
+        let found = self.of_pieces(&pieces, None, false, stopped)?;
         let noise_of = |p: &Piece| noise[p.record].as_slice();
         let (with, samples) = power_of(pieces.iter().zip(&found.records).map(|(p, fit)| (fit, noise_of(p))));
         let alone = |p: &Piece| power_within(&without[p.record], &p.samples, noise_of(p));

@@ -23,6 +23,7 @@ use crate::model::{Fitted, Measure, Score, TrialModel, current};
 use crate::other_causes::input_noise;
 use crate::place::Effect;
 use crate::plausibility::{may_be_undetermined, vetoed};
+use crate::pushes::takes_most;
 use crate::result::tried::weighed;
 use crate::result::{
     Activity, Leader, MissingForce, ModelError, NotTried, PlacedLaw, Rival, RoundStart, StopReason, Tried,
@@ -213,10 +214,12 @@ impl Search<'_> {
             first.get_or_insert_with(|| screened(&screening));
             let start = Start { now: &now, model, screening, candidates, drawing: &drawing };
             let (next, round) = self.round(&start);
-            let Some(next) = next else {
-                fruitless = Some(round);
-                let stopped = self.observer.stopped();
-                break if stopped { StopReason::Interrupted } else { StopReason::NothingHelps };
+            let next = match next {
+                Ok(next) => next,
+                Err(why) => {
+                    fruitless = Some(round);
+                    break if self.observer.stopped() { StopReason::Interrupted } else { why };
+                }
             };
             // Near the repeatability of the rig an effect may describe the rig's scatter. It counts if its
             // residual is white, or if it predicts what was not used clearly better.
@@ -295,8 +298,8 @@ impl Search<'_> {
         }
     }
 
-    /// One round: adds the best single law or the best pair; no model if nothing is worth its price.
-    fn round(&mut self, start: &Start<'_>) -> (Option<Fitted>, Round) {
+    /// One round: adds the best single law or the best pair, or ends the search.
+    fn round(&mut self, start: &Start<'_>) -> (Result<Fitted, StopReason>, Round) {
         let Start { now, candidates, .. } = *start;
         let before = start.before();
         let mut vetoed: Vec<Vetoed> = Vec::new();
@@ -309,13 +312,16 @@ impl Search<'_> {
             let best = self.simplified(best.clone(), candidates);
             let best = self.exchanged(self.relocated(best, candidates), candidates);
             let round = round(now, &best, &singles, vetoed, candidates);
-            return (Some(best), round);
+            return (Ok(best), round);
+        }
+        if before == 0 && self.is_pushed(now, &singles, candidates) {
+            return (Err(StopReason::Pushes), round(now, now, &singles, vetoed, candidates));
         }
         let (pairs, pair) = self.best_pairs(start, &singles, best.as_ref(), &mut vetoed);
         let settled = pair.as_ref().filter(|pair| !pair.score.is_white()).map(|pair| placed(&pair.model));
         let all: Vec<Fitted> = singles.into_iter().chain(pairs).collect();
         let Some(chosen) = one_or_two(best, pair, before, candidates) else {
-            return (None, round(now, now, &all, vetoed, candidates));
+            return (Err(StopReason::NothingHelps), round(now, now, &all, vetoed, candidates));
         };
         let chosen = self.simplified(chosen, candidates);
         let chosen =
@@ -324,10 +330,21 @@ impl Search<'_> {
         let by = Measure::of([&chosen.score, &now.score], candidates);
         let gain = by.criterion(&now.score) - by.criterion(&chosen.score);
         if chosen.model.effects.len() <= before && gain <= WORTH {
-            return (None, round(now, now, &all, vetoed, candidates));
+            return (Err(StopReason::NothingHelps), round(now, now, &all, vetoed, candidates));
         }
         let round = round(now, &chosen, &all, vetoed, candidates);
-        (Some(chosen), round)
+        (Ok(chosen), round)
+    }
+
+    /// Whether the model as it is leaves nothing between a few pushes, and no law comes near that: then no second law and no
+    /// formula says more.
+    fn is_pushed(&self, now: &Fitted, singles: &[Fitted], candidates: usize) -> bool {
+        if singles.iter().any(|f| takes_most(f, now)) {
+            return false;
+        }
+        let pushed = now.settled().pushes(&now.cal.records, self.noise, &|| self.observer.stopped());
+        let laws = fitted_alone(now, singles.iter(), &[], candidates);
+        pushed.is_some_and(|p| p.is_sure(now, candidates, laws.iter().map(|(_, _, gain)| *gain)))
     }
 
     /// Models with one effect more, best first: the leading laws of the screening, then relatives of the

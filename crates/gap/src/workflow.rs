@@ -106,7 +106,8 @@ fn from_estimate_or_rest(
     short: Option<TrialModel>,
 ) -> Result<Searched, ModelError> {
     let first = on_shortened(search, whole.clone(), short.clone())?;
-    if first.stop == StopReason::Interrupted || search.explained(&first.last) {
+    let ended = matches!(first.stop, StopReason::Interrupted | StopReason::Pushes);
+    if ended || search.explained(&first.last) {
         return Ok(first);
     }
     let Some(rest) = whole.at_rest() else { return Ok(first) };

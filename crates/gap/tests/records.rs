@@ -83,6 +83,38 @@ fn numbers_hold_beside_a_force_that_is_measured_with_noise() {
     assert!(missed.len() <= 1, "{missed:?}");
 }
 
+/// The noise of a force may leave as much as the model as it is does, and Stribeck's friction may follow it better than the
+/// Coulomb friction that is there. What counts is how each law does beside a random force.
+#[test]
+fn noise_of_an_input_is_no_excuse_for_friction() {
+    let law = |id: &str, text: &str| LawEntry::read(id, text).expect("a law");
+    let catalogue = [
+        law("coulomb", include_str!("../../phys/laws/coulomb.ron")),
+        law("stribeck", include_str!("../../phys/laws/stribeck.ron")),
+    ];
+    let judged = |friction: f64| {
+        let text = format!(
+            r#"(constants: {{ "m": (2.0, "kg"), "k": (800.0, "N/m"), "c": (1.5, "N*s/m") }},
+                states: {{ "x": "m", "v": "m/s" }}, inputs: {{ "f": "N" }},
+                known: {{ "x": "v", "v": "(f - k*x - c*v)/m" }}, inertia: {{ "v": "m" }}, unknown: {{}},
+                data: [ Synthetic(inputs: {{ "f": Multisine(amplitude: 8.0, band: (0.5, 6.0)) }},
+                    truth: {{ "v": "-{friction:?}*sgn(v)/m" }}, start: {{}}, duration: 8.0, step: 0.01,
+                    noise: Sensor({{ "x": (2e-5, "m"), "f": (0.5, "N") }}), measure: ["x", "f"], seed: 6) ])"#
+        );
+        let (_, case, records) = loaded(&text);
+        let found =
+            gap(&text, case, records, &catalogue, &mut |_, _| ControlFlow::Continue(())).expect("a result");
+        let laws: Vec<String> = found.steps.iter().map(|s| s.effect.entry.id.clone()).collect();
+        let holds = found.steps.iter().all(|s| {
+            let (low, high) = s.parameters[0].ci95;
+            low <= friction && friction <= high
+        });
+        (found.status, laws.join(" + "), holds)
+    };
+    assert_eq!(judged(0.0), (Status::NothingMissing, String::new(), true));
+    assert_eq!(judged(0.3), (Status::Explained, "coulomb".into(), true));
+}
+
 /// A driven mass on a spring, and what the model lacks in the record to fit and in the one to validate.
 fn rig(lacks: [&str; 2]) -> String {
     let record = |lacks: &str, seed: usize, role: &str| {

@@ -29,6 +29,8 @@ use std::sync::Mutex;
 pub struct LearnOptions {
     /// Overrides the spec's method.
     pub method: Option<Method>,
+    /// Whether the model was fitted before: one fit from its start values, without other starts or columns that may be late.
+    pub fitted_before: bool,
 }
 
 /// Identifies the unknown part of a case from its records. `observe` receives the progress (a fraction of
@@ -102,7 +104,7 @@ fn by_method(
         Method::Step => (records, by_steps(case, records, observe)?),
         Method::Trajectory => {
             let found;
-            (with_sizes, found) = from_estimate_or_rest(case, records, stop, observe)?;
+            (with_sizes, found) = from_estimate_or_rest(case, records, options, stop, observe)?;
             (&with_sizes[..], found)
         }
     };
@@ -121,13 +123,14 @@ fn by_method(
 fn from_estimate_or_rest(
     case: &Case,
     records: &[Record],
+    options: &LearnOptions,
     stop: &Stop,
     observe: &mut dyn FnMut(f64) -> ControlFlow<()>,
 ) -> Result<(Vec<Record>, Identified), LearnError> {
     let system = &case.system;
     let mut from = |smooth: Vec<Record>| {
         let sized = sized(system, records, &smooth);
-        let found = by_trajectory(case, &sized, &smooth, stop, observe);
+        let found = by_trajectory(case, (&sized, &smooth), options, stop, observe);
         (sized, found)
     };
     let (sized, first) = from(records.par_iter().map(|r| smoothed(system, r)).collect());

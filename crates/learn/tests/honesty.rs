@@ -11,7 +11,9 @@ use std::ops::ControlFlow;
 const METHODS: [Method; 2] = [Method::Trajectory, Method::Step];
 
 fn run_by(method: Method, case: &Case, records: &[Record]) -> Result<Identified, LearnError> {
-    identify(case, records, &LearnOptions { method: Some(method) }, &mut |_| ControlFlow::Continue(()))
+    identify(case, records, &LearnOptions { method: Some(method), ..Default::default() }, &mut |_| {
+        ControlFlow::Continue(())
+    })
 }
 
 fn run(case: &Case, records: &[Record]) -> Result<Identified, LearnError> {
@@ -228,13 +230,12 @@ fn no_friction_at_all() {
 fn stops_when_it_is_told_to() {
     let (case, records) = common::load("case1a", &[]);
     for method in METHODS {
-        let found =
-            identify(
-                &case,
-                &records,
-                &LearnOptions { method: Some(method) },
-                &mut |_| ControlFlow::Break(()),
-            );
+        let found = identify(
+            &case,
+            &records,
+            &LearnOptions { method: Some(method), ..Default::default() },
+            &mut |_| ControlFlow::Break(()),
+        );
         assert!(found.unwrap().interrupted(), "{method:?}");
     }
 }

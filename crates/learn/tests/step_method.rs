@@ -247,7 +247,7 @@ fn the_covariance_is_that_of_the_errors() {
     let k = "(value: 0.9, unit: \"N/m\", within: (0.5, 2.0))";
     let sets = [("constants.k", k), ("learn.optimiser", "GaussNewton"), ("learn.cutoff", "0.0")];
     let (case, records) = common::load("case1a", &sets);
-    let options = LearnOptions { method: Some(Method::Step) };
+    let options = LearnOptions { method: Some(Method::Step), ..Default::default() };
     let found = identify(&case, &records, &options, &mut |_| ControlFlow::Continue(())).unwrap();
     let errors: Vec<f64> = found.terms.iter().map(|t| t.coefficient.std_error).collect();
     let errors = [errors, found.parameters.iter().map(|p| p.estimate.std_error).collect()].concat();

@@ -31,7 +31,7 @@ impl Loaded {
         let loaded = self.with_laws(options)?;
         let mut observe = |fraction: f64, activity: &str| options.progress(fraction, activity);
         let loaded = loaded.with_formulas(&mut observe)?.unwrap_or(loaded);
-        let learn = LearnOptions { method: options.method };
+        let learn = LearnOptions { method: options.method, ..Default::default() };
         let mut observe = |fraction| options.progress(fraction, "");
         let (loaded, result) = loaded.identified(&learn, &mut observe)?;
         Ok(Identified { loaded, result })

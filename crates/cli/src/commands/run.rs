@@ -125,7 +125,7 @@ fn with_formulas(loaded: &Loaded, options: &Options) -> Result<Option<Loaded>, p
 /// Runs the identification with a progress bar, until an early end is requested.
 fn identify_with_progress(loaded: Loaded, options: &Options) -> Result<(Loaded, Identified), LearnError> {
     let mut progress = Progress::new(&loaded.spec, options.quiet);
-    let learn = LearnOptions { method: options.method.map(Into::into) };
+    let learn = LearnOptions { method: options.method.map(Into::into), ..Default::default() };
     loaded.identified(&learn, &mut |fraction| {
         progress.at(fraction);
         if interrupt::requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }

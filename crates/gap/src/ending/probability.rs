@@ -22,11 +22,7 @@ impl Ending<'_, '_> {
 
     /// Whether pushes are sure beside `base`, the model that they act on, and beside every fitted law.
     pub(super) fn pushes_are_sure(&self, pushed: &Pushed, base: &Fitted) -> bool {
-        let Pushed { samples, left, numbers, .. } = *pushed;
-        let [without, with] =
-            [(left[0], 0), (left[1], numbers)].map(|(left, n)| base.score.of_samples(left, samples, n));
-        let by = Measure::of([&with, &without], self.candidates);
-        is_sure(by.criterion(&without) - by.criterion(&with), self.gains(|_, _| true).chain([0.0]))
+        pushed.is_sure(base, self.candidates, self.gains(|_, _| true))
     }
 
     /// Whether changed constants are sure beside the fitted laws. `constants` says how many could have changed.

@@ -13,6 +13,8 @@ pub enum StopReason {
     Repeatability,
     /// What is left is no more than what is not known of the inputs: their noise, or how they go between their samples.
     Inputs,
+    /// A few pushes that nobody measured are all that the model lacks.
+    Pushes,
     /// The model has the largest number of effects allowed.
     EffectLimit,
     /// No law of the catalogue can act, or is worth its price.

@@ -112,6 +112,14 @@ mod tests {
         }
     }
 
+    /// A residual with a shape counts while it is more than the error of the simulation, however small it is.
+    #[test]
+    fn the_error_of_the_simulation_is_no_force() {
+        let said =
+            |least: f64| status(&Score { least, whiteness: 50.0, ..score(0.4, None, 1) }, false, None).0;
+        assert_eq!([0.5, 0.3].map(said), [Status::Explained, Status::Unexplained]);
+    }
+
     #[test]
     fn effects_help_up_to_where_the_gap_is_least() {
         let helps = |gaps: &[(f64, bool)]| {

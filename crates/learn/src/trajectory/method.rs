@@ -1,6 +1,7 @@
 //! Method `trajectory`: the event-located simulation fitted to the records, terms selected, error bars.
 
 use crate::decisions::{LEADING_RANKS, LIKELIHOOD_GAIN, SELECTIONS, START_GAIN};
+use crate::identify::LearnOptions;
 use crate::result::error::{LearnError, NumericsError};
 use crate::result::identified::{Identified, PathPoint, StopReason};
 use crate::result::quantity::TermId;
@@ -19,8 +20,8 @@ use std::ops::ControlFlow;
 /// Identifies by the trajectory method. `filled` is what [`super::initial::smoothed`] makes of the records.
 pub(crate) fn by_trajectory(
     case: &Case,
-    records: &[Record],
-    filled: &[Record],
+    (records, filled): (&[Record], &[Record]),
+    options: &LearnOptions,
     stop: &Stop,
     observe: &mut dyn FnMut(f64) -> ControlFlow<()>,
 ) -> Result<Identified, LearnError> {
@@ -44,15 +45,19 @@ pub(crate) fn by_trajectory(
     };
     let chosen = case.learn.selection.unwrap_or(SelectionSpec::Auto);
     let auto = chosen == SelectionSpec::Auto;
-    let Selection { fit, path } = start(&context, &all, &regression, auto, &mut hear)?;
-    let selected = Selection { fit, path };
+    let alone = if options.fitted_before { context.fresh_fit(&all, &regression.solve(&all)) } else { None };
+    let known = alone.is_some();
+    let selected = match alone {
+        Some(fit) => Selection { path: vec![unselected(&fit)], fit },
+        None => start(&context, &all, &regression, auto, &mut hear)?,
+    };
     stopped |= observe(0.8).is_break();
-    let ends = stopped || stop.requested();
+    let ends = known || stopped || stop.requested();
     let (selected, warnings) =
         if ends { (selected, vec![]) } else { refined(&context, selected, chosen, &all, &regression) };
     stopped |= observe(0.9).is_break();
     let fit = if ends { selected.fit } else { context.past_side_minima(selected.fit) };
-    let late = if stop.requested() { None } else { late_column(&context, &fit) };
+    let late = if known || stop.requested() { None } else { late_column(&context, &fit) };
     let fit = if stop.requested() { fit } else { context.with_random_force(fit) };
     let stop_reason =
         if stopped || stop.requested() { StopReason::Interrupted } else { StopReason::Finished };

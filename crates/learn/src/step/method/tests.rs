@@ -61,7 +61,7 @@ fn by_method_step(learn: &str, change: impl Fn(&mut Record)) -> Identified {
     let (case, mut records) =
         records(&format!("{text}, learn: ({learn})"), &[(Role::Fit, line()), (Role::Validate, line())]);
     records.iter_mut().for_each(change);
-    let options = LearnOptions { method: Some(Method::Step) };
+    let options = LearnOptions { method: Some(Method::Step), ..Default::default() };
     identify(&case, &records, &options, &mut |_| ControlFlow::Continue(())).unwrap()
 }
 
@@ -94,7 +94,7 @@ fn a_derived_velocity_is_doubted() {
     let wave = |turn: f64| (0..200).map(|i| (STEP * i as f64 + turn).cos()).collect::<Vec<_>>();
     let (case, mut records) = records(text, &[(Role::Fit, wave(0.0))]);
     let told = |records: &[Record]| {
-        let options = LearnOptions { method: Some(Method::Step) };
+        let options = LearnOptions { method: Some(Method::Step), ..Default::default() };
         let found = identify(&case, records, &options, &mut |_| ControlFlow::Continue(())).unwrap();
         assert_relative_eq!(found.terms[0].coefficient.value, -1.0, max_relative = 0.05);
         texts(&found.warnings).iter().any(|w| {

@@ -54,7 +54,7 @@ fn learned(
 ) -> Result<Identified, LearnError> {
     let smooth: Vec<Record> =
         records.iter().map(|r| crate::trajectory::initial::smoothed(&case.system, r)).collect();
-    by_trajectory(case, records, &smooth, &Stop::default(), observe)
+    by_trajectory(case, (records, &smooth), &LearnOptions::default(), &Stop::default(), observe)
 }
 
 fn identified(learn: &str, samples: &[(Role, Vec<f64>)]) -> Identified {
